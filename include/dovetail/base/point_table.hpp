@@ -36,6 +36,7 @@ struct CoordinateSystemRecord {
 struct Duplicate {
   GlobalIndex input_index; ///< of the point that was merged away
   GlobalIndex site;        ///< global number of the site it equals
+  double z = 0;            ///< its own z, which the site need not share; 0 without a "z" attribute
   friend constexpr bool operator==(const Duplicate &, const Duplicate &) = default;
 };
 
