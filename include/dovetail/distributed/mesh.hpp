@@ -57,4 +57,9 @@ struct DistributedMesh {
   GlobalIndex triangle_count() const { return triangle_offsets.back(); }
 };
 
+/// First slab of rank `rank`, when `slabs` of them are spread over `ranks`; the last rank's end with `slabs`.
+constexpr int first_slab_of_rank(int slabs, int rank, int ranks) {
+  return static_cast<int>(static_cast<std::int64_t>(slabs) * rank / ranks);
+}
+
 } // namespace dovetail
