@@ -2,11 +2,16 @@
 ///
 /// Each is right for every finite double: a floating-point filter decides what it can, exact integer
 /// arithmetic on the aligned mantissas decides the rest, so neither overflow nor underflow can spoil a sign.
-/// The filter is inline and costs a few nanoseconds; the exact stage is out of line.
+/// The filter is inline and costs a few nanoseconds; the exact stage is out of line. The filters are those of
+/// Shewchuk (Adaptive precision floating-point arithmetic and fast robust geometric predicates, 1997), first
+/// stage, with a guard against underflow. They need IEEE rounding to nearest and no contraction of products
+/// and sums (-ffp-contract=off).
 #pragma once
 
 #include "dovetail/base/sign.hpp"
 #include "dovetail/base/types.hpp"
+
+#include <cmath>
 
 namespace dovetail {
 
@@ -35,7 +40,7 @@ Sign hull_turn_unperturbed(Point a, Point b, Point c, SplitLine line);
 /// True if the circumcenter of the (not collinear) a, b, c, in either orientation, has across <= m.
 bool circumcenter_is_left(Point a, Point b, Point c, SplitLine line);
 
-/// The same four without the filters: what certification uses, so that a fault in a filter cannot hide
+/// The same five without the filters: what certification uses, so that a fault in a filter cannot hide
 /// itself.
 namespace exact {
 Sign orientation(Point a, Point b, Point c);
@@ -44,5 +49,108 @@ Sign hull_turn(Point a, Point b, Point c, SplitLine line);
 Sign hull_turn_unperturbed(Point a, Point b, Point c, SplitLine line);
 bool circumcenter_is_left(Point a, Point b, Point c, SplitLine line);
 } // namespace exact
+
+/// Filters give the sign of a determinant, or zero for "not decided": a filter never certifies a zero.
+///
+/// Let u = 2^-53. Every filter compares the rounded determinant with (constant * u) * permanent + guard,
+/// where the permanent is the determinant with every term made positive.
+///  - Rounding. The constant bounds the accumulated relative error, that of the differences, of the permanent
+///    and of the bound itself included.
+///  - Overflow. Whatever becomes infinite or NaN in the determinant does so in the permanent, which has the
+///    same terms; a comparison with an infinite or NaN bound is false.
+///  - Underflow. Sums are exact where they underflow; a product adds at most 2^-1075, scaled afterwards by
+///    the factors it meets. The guard is 2^-960 times (1 + those factors), which is more by a factor of 2^100
+///    and is itself never subnormal.
+namespace filter {
+
+inline constexpr double unit_roundoff = 0x1p-53;
+inline constexpr double underflow_guard = 0x1p-960;
+
+inline Sign decide(double determinant, double bound) {
+  return determinant > bound ? Sign::positive : -determinant > bound ? Sign::negative : Sign::zero;
+}
+
+/// Constant 3 + 16 u: Shewchuk 1997, ccwerrboundA.
+inline Sign orientation(Point a, Point b, Point c) {
+  const double left = (a.x - c.x) * (b.y - c.y);
+  const double right = (a.y - c.y) * (b.x - c.x);
+  constexpr double constant = (3.0 + 16.0 * unit_roundoff) * unit_roundoff;
+  return decide(left - right, constant * (std::fabs(left) + std::fabs(right)) + underflow_guard);
+}
+
+/// Constant 10 + 96 u: Shewchuk 1997, iccerrboundA. A product lost in a minor meets one lift, one lost in a
+/// lift meets a minor, which is at most half the sum of the other two lifts.
+inline Sign in_circle(Point a, Point b, Point c, Point d) {
+  const double ax = a.x - d.x, ay = a.y - d.y;
+  const double bx = b.x - d.x, by = b.y - d.y;
+  const double cx = c.x - d.x, cy = c.y - d.y;
+  const double bxcy = bx * cy, cxby = cx * by;
+  const double cxay = cx * ay, axcy = ax * cy;
+  const double axby = ax * by, bxay = bx * ay;
+  const double a_lift = ax * ax + ay * ay;
+  const double b_lift = bx * bx + by * by;
+  const double c_lift = cx * cx + cy * cy;
+  const double determinant = a_lift * (bxcy - cxby) + b_lift * (cxay - axcy) + c_lift * (axby - bxay);
+  const double permanent = (std::fabs(bxcy) + std::fabs(cxby)) * a_lift +
+                           (std::fabs(cxay) + std::fabs(axcy)) * b_lift +
+                           (std::fabs(axby) + std::fabs(bxay)) * c_lift;
+  constexpr double constant = (10.0 + 96.0 * unit_roundoff) * unit_roundoff;
+  const double guard = underflow_guard * ((a_lift + b_lift) + (c_lift + 1.0));
+  return decide(determinant, constant * permanent + guard);
+}
+
+/// D does not change when everything moves along the line, so a becomes the origin of `along`:
+///   D = B (C^2 + Xc Sc) - C (B^2 + Xb Sb),  B = along b - along a,  C = along c - along a,
+///   Xs = across s - across a,  Ss = (across s - m) + (across a - m).
+/// Relative to the permanent, S has the error 2u (3 roundings, of which the last is the sum's), X S then 5u,
+/// the square 3u, their sum 6u, the product with B 8u and the difference 9u. 10 leaves room for the higher
+/// orders of u and for the rounding of the bound.
+inline Sign hull_turn(Point a, Point b, Point c, SplitLine line) {
+  const double m = line.position;
+  const double a_across = across(a, line.axis), b_across = across(b, line.axis),
+               c_across = across(c, line.axis);
+  const double B = along(b, line.axis) - along(a, line.axis);
+  const double C = along(c, line.axis) - along(a, line.axis);
+  const double Xb = b_across - a_across, Xc = c_across - a_across;
+  const double from_a = a_across - m, from_b = b_across - m, from_c = c_across - m;
+  const double BB = B * B, CC = C * C;
+  const double determinant = B * (CC + Xc * (from_c + from_a)) - C * (BB + Xb * (from_b + from_a));
+  const double permanent = std::fabs(B) * (CC + std::fabs(Xc) * (std::fabs(from_c) + std::fabs(from_a))) +
+                           std::fabs(C) * (BB + std::fabs(Xb) * (std::fabs(from_b) + std::fabs(from_a)));
+  constexpr double constant = 10.0 * unit_roundoff;
+  const double guard = underflow_guard * (std::fabs(B) + std::fabs(C) + 1.0);
+  return decide(determinant, constant * permanent + guard);
+}
+
+} // namespace filter
+
+inline Sign orientation(Point a, Point b, Point c) {
+  const Sign sign = filter::orientation(a, b, c);
+  return sign != Sign::zero ? sign : exact::orientation(a, b, c);
+}
+
+inline Sign in_circle(Point a, Point b, Point c, Point d) {
+  const Sign sign = filter::in_circle(a, b, c, d);
+  return sign != Sign::zero ? sign : exact::in_circle(a, b, c, d);
+}
+
+inline Sign hull_turn(Point a, Point b, Point c, SplitLine line) {
+  const Sign sign = filter::hull_turn(a, b, c, line);
+  return sign != Sign::zero ? sign : exact::hull_turn(a, b, c, line);
+}
+
+inline Sign hull_turn_unperturbed(Point a, Point b, Point c, SplitLine line) {
+  const Sign sign = filter::hull_turn(a, b, c, line);
+  return sign != Sign::zero ? sign : exact::hull_turn_unperturbed(a, b, c, line);
+}
+
+inline bool circumcenter_is_left(Point a, Point b, Point c, SplitLine line) {
+  const Sign side = filter::hull_turn(a, b, c, line);
+  const Sign turn = filter::orientation(a, b, c);
+  if (side == Sign::zero || turn == Sign::zero)
+    return exact::circumcenter_is_left(a, b, c, line);
+  // Exchanging the axes mirrors the plane, and with it the orientation.
+  return (side == turn) == (line.axis == Axis::x);
+}
 
 } // namespace dovetail

@@ -1,0 +1,144 @@
+// The exact stage: coordinates become integers in units of the smallest power of two among them, and the
+// determinants are evaluated in integers wide enough for the actual span of exponents.
+//
+// Room, for coordinates below 2^(64 W - 4) in W words: differences stay below 2^(64 W - 3), a sum of two of
+// them below 2^(64 W - 2), every polynomial of degree d below 2^(64 d W - 1), so d W words always hold it.
+
+#include "dovetail/geometry/predicates.hpp"
+#include "fixed_integer.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace dovetail::exact {
+namespace {
+
+template <std::size_t Words, std::size_t Count> using Integers = std::array<FixedInteger<Words>, Count>;
+
+template <std::size_t Words, std::size_t Count>
+Integers<Words, Count> aligned_all(const std::array<Scaled, Count> &values, int unit) {
+  Integers<Words, Count> result;
+  for (std::size_t i = 0; i < Count; ++i)
+    result[i] = aligned<Words>(values[i], unit);
+  return result;
+}
+
+/// Calls `evaluate` with the values as integers of the first width that has room for them.
+template <std::size_t Count, class Evaluate>
+Sign with_integers(const std::array<double, Count> &values, Evaluate evaluate) {
+  std::array<Scaled, Count> parts;
+  Extent extent;
+  for (std::size_t i = 0; i < Count; ++i) {
+    parts[i] = scaled(values[i]);
+    extent.add(parts[i]);
+  }
+  const int bits = extent.bits() + 4;
+  if (bits <= 64)
+    return evaluate(aligned_all<1>(parts, extent.low));
+  if (bits <= 128)
+    return evaluate(aligned_all<2>(parts, extent.low));
+  if (bits <= 320)
+    return evaluate(aligned_all<5>(parts, extent.low));
+  return evaluate(aligned_all<34>(parts, extent.low)); // 2098 bits from the largest to the smallest double
+}
+
+/// Differences of neighbouring sites are often short although the coordinates are not: whether two-word ones
+/// are below 2^61.
+template <std::size_t Count> bool fit_one_word(const Integers<2, Count> &values) {
+  return std::ranges::all_of(values, [](const FixedInteger<2> &value) {
+    const auto low = static_cast<std::int64_t>(value.words[0]);
+    const auto high = static_cast<std::int64_t>(value.words[1]);
+    return high == low >> 63 && low > -(std::int64_t{1} << 61) && low < (std::int64_t{1} << 61);
+  });
+}
+
+template <std::size_t Count> Integers<1, Count> first_words(const Integers<2, Count> &values) {
+  Integers<1, Count> result;
+  for (std::size_t i = 0; i < Count; ++i)
+    result[i].words[0] = values[i].words[0];
+  return result;
+}
+
+/// d = {ax, ay, bx, by}
+template <std::size_t Words> Sign orientation_of(const Integers<Words, 4> &d) {
+  return (d[0] * d[3] - d[1] * d[2]).sign();
+}
+
+/// d = {ax, ay, bx, by, cx, cy}
+template <std::size_t Words> Sign in_circle_of(const Integers<Words, 6> &d) {
+  if constexpr (Words == 2)
+    if (fit_one_word(d))
+      return in_circle_of(first_words(d));
+  const auto &[ax, ay, bx, by, cx, cy] = d;
+  return ((ax * ax + ay * ay) * (bx * cy - by * cx) + (bx * bx + by * by) * (cx * ay - cy * ax) +
+          (cx * cx + cy * cy) * (ax * by - ay * bx))
+      .sign();
+}
+
+/// d = {B, C, Xb, Xc, across a - m, across b - m, across c - m} as in filter::hull_turn
+template <std::size_t Words> Sign hull_turn_of(const Integers<Words, 7> &d) {
+  if constexpr (Words == 2)
+    if (fit_one_word(d))
+      return hull_turn_of(first_words(d));
+  const auto &[B, C, Xb, Xc, from_a, from_b, from_c] = d;
+  return (B * (C * C + Xc * (from_c + from_a)) - C * (B * B + Xb * (from_b + from_a))).sign();
+}
+
+/// The site of largest lexicographic rank dominates the perturbation of the lifted heights. Raising d takes
+/// it out of the circle; raising a, b or c takes the circle's plane up on the side of that corner, and d lies
+/// on that side exactly if it can take the corner's place.
+Sign in_circle_tie(Point a, Point b, Point c, Point d) {
+  Point largest = d;
+  for (const Point p : {a, b, c})
+    if (lexicographically_less(largest, p))
+      largest = p;
+  if (largest == d)
+    return Sign::negative;
+  return exact::orientation(largest == a ? d : a, largest == b ? d : b, largest == c ? d : c);
+}
+
+} // namespace
+
+Sign orientation(Point a, Point b, Point c) {
+  const auto evaluate = []<std::size_t Words>(const Integers<Words, 6> &v) {
+    return orientation_of<Words>({v[0] - v[4], v[1] - v[5], v[2] - v[4], v[3] - v[5]});
+  };
+  return with_integers<6>({a.x, a.y, b.x, b.y, c.x, c.y}, evaluate);
+}
+
+Sign in_circle(Point a, Point b, Point c, Point d) {
+  const auto evaluate = []<std::size_t Words>(const Integers<Words, 8> &v) {
+    return in_circle_of<Words>(
+        {v[0] - v[6], v[1] - v[7], v[2] - v[6], v[3] - v[7], v[4] - v[6], v[5] - v[7]});
+  };
+  const Sign sign = with_integers<8>({a.x, a.y, b.x, b.y, c.x, c.y, d.x, d.y}, evaluate);
+  return sign != Sign::zero ? sign : in_circle_tie(a, b, c, d);
+}
+
+Sign hull_turn_unperturbed(Point a, Point b, Point c, SplitLine line) {
+  const auto evaluate = []<std::size_t Words>(const Integers<Words, 7> &v) {
+    return hull_turn_of<Words>(
+        {v[3] - v[1], v[5] - v[1], v[2] - v[0], v[4] - v[0], v[0] - v[6], v[2] - v[6], v[4] - v[6]});
+  };
+  const Axis axis = line.axis;
+  return with_integers<7>({across(a, axis), along(a, axis), across(b, axis), along(b, axis), across(c, axis),
+                           along(c, axis), line.position},
+                          evaluate);
+}
+
+Sign hull_turn(Point a, Point b, Point c, SplitLine line) {
+  const Sign sign = exact::hull_turn_unperturbed(a, b, c, line);
+  if (sign != Sign::zero)
+    return sign;
+  // Moving the line to m+ turns a zero the way the three turn in the plane of (across, along).
+  const Sign turn = exact::orientation(a, b, c);
+  return line.axis == Axis::x ? turn : -turn;
+}
+
+bool circumcenter_is_left(Point a, Point b, Point c, SplitLine line) {
+  const Sign turn = exact::orientation(a, b, c);
+  const Sign side = exact::hull_turn_unperturbed(a, b, c, line) * (line.axis == Axis::x ? turn : -turn);
+  return side != Sign::negative;
+}
+
+} // namespace dovetail::exact
