@@ -10,7 +10,9 @@ constexpr std::int64_t default_chunk_bytes = std::int64_t{1} << 30;
 Communicator::Communicator(boost::mpi::communicator handle, std::shared_ptr<Traffic> traffic,
                            std::int64_t chunk_bytes)
     : handle_(std::move(handle)), traffic_(std::move(traffic)), chunk_bytes_(chunk_bytes),
-      rank_(handle_.rank()), size_(handle_.size()) {}
+      rank_(handle_.rank()), size_(handle_.size()) {
+  MPI_Comm_set_errhandler(raw(), MPI_ERRORS_ARE_FATAL);
+}
 
 Communicator Communicator::duplicate(const boost::mpi::communicator &parent) {
   return {boost::mpi::communicator(static_cast<MPI_Comm>(parent), boost::mpi::comm_duplicate),

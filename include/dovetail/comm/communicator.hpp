@@ -14,7 +14,8 @@ struct Traffic {
   std::int64_t messages_sent = 0;
 };
 
-/// Move-only. Every collective that makes one has a visible name.
+/// Move-only. Every collective that makes one has a visible name. A failure of MPI itself is fatal on it,
+/// whatever the caller's own communicator does.
 class Communicator {
 public:
   /// Collective over `parent`: a private copy, so that our messages never meet the caller's.
@@ -40,6 +41,9 @@ public:
   std::int64_t chunk_bytes() const { return chunk_bytes_; }
   void set_chunk_bytes(std::int64_t bytes) { chunk_bytes_ = bytes; }
 
+  /// For sparse_exchange: counts its calls on this handle, alike on all ranks.
+  int next_sparse_round() const { return sparse_round_++; }
+
   Traffic &traffic() const { return *traffic_; }
   const boost::mpi::communicator &boost() const { return handle_; }
   MPI_Comm raw() const { return static_cast<MPI_Comm>(handle_); }
@@ -52,6 +56,7 @@ private:
   std::int64_t chunk_bytes_;
   int rank_;
   int size_;
+  mutable int sparse_round_ = 0;
 };
 
 } // namespace dovetail
