@@ -141,4 +141,16 @@ bool circumcenter_is_left(Point a, Point b, Point c, SplitLine line) {
   return side != Sign::negative;
 }
 
+bool nearer(Point a, Point b, SplitLine line) {
+  const double of_a = across(a, line.axis), of_b = across(b, line.axis), m = line.position;
+  if (of_a == of_b)
+    return false;
+  // The greater one is nearer unless the middle between the two is beyond m.
+  const auto middle_from_line = []<std::size_t Words>(const Integers<Words, 3> &v) {
+    return ((v[0] - v[2]) + (v[1] - v[2])).sign();
+  };
+  const bool greater_is_nearer = with_integers<3>({of_a, of_b, m}, middle_from_line) != Sign::positive;
+  return greater_is_nearer == (of_a > of_b);
+}
+
 } // namespace dovetail::exact

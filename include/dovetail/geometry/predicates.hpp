@@ -40,7 +40,11 @@ Sign hull_turn_unperturbed(Point a, Point b, Point c, SplitLine line);
 /// True if the circumcenter of the (not collinear) a, b, c, in either orientation, has across <= m.
 bool circumcenter_is_left(Point a, Point b, Point c, SplitLine line);
 
-/// The same five without the filters: what certification uses, so that a fault in a filter cannot hide
+/// True if the line m+ is nearer to a than to b. Distances from m decide; of two that are equal, the site of
+/// greater `across` is nearer, and sites of equal `across` are not nearer than each other.
+bool nearer(Point a, Point b, SplitLine line);
+
+/// The same six without the filters: what certification uses, so that a fault in a filter cannot hide
 /// itself.
 namespace exact {
 Sign orientation(Point a, Point b, Point c);
@@ -48,6 +52,7 @@ Sign in_circle(Point a, Point b, Point c, Point d);
 Sign hull_turn(Point a, Point b, Point c, SplitLine line);
 Sign hull_turn_unperturbed(Point a, Point b, Point c, SplitLine line);
 bool circumcenter_is_left(Point a, Point b, Point c, SplitLine line);
+bool nearer(Point a, Point b, SplitLine line);
 } // namespace exact
 
 /// Filters give the sign of a determinant, or zero for "not decided": a filter never certifies a zero.
@@ -151,6 +156,13 @@ inline bool circumcenter_is_left(Point a, Point b, Point c, SplitLine line) {
     return exact::circumcenter_is_left(a, b, c, line);
   // Exchanging the axes mirrors the plane, and with it the orientation.
   return (side == turn) == (line.axis == Axis::x);
+}
+
+inline bool nearer(Point a, Point b, SplitLine line) {
+  // Rounding is monotone, so distances that differ once rounded differ the same way before.
+  const double of_a = std::fabs(across(a, line.axis) - line.position);
+  const double of_b = std::fabs(across(b, line.axis) - line.position);
+  return of_a != of_b ? of_a < of_b : exact::nearer(a, b, line);
 }
 
 } // namespace dovetail
