@@ -30,6 +30,7 @@ struct CoordinateSystemRecord {
   std::uint16_t record_id = 0;
   std::string description;
   std::vector<std::uint8_t> bytes;
+  friend bool operator==(const CoordinateSystemRecord &, const CoordinateSystemRecord &) = default;
 };
 
 /// A point that equals a site and is not its representative.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "dovetail/base/error.hpp"
+#include "dovetail/base/point_table.hpp"
 #include "dovetail/base/types.hpp"
 
 #include <boost/mpi/datatype.hpp>
@@ -27,6 +28,11 @@ template <class Archive> void serialize(Archive &archive, dovetail::Point &point
 
 template <class Archive> void serialize(Archive &archive, dovetail::Problem &problem, unsigned) {
   archive &problem.kind &problem.subject &problem.place &problem.what &problem.remedy;
+}
+
+template <class Archive>
+void serialize(Archive &archive, dovetail::CoordinateSystemRecord &record, unsigned) {
+  archive &record.user_id &record.record_id &record.description &record.bytes;
 }
 
 } // namespace boost::serialization
