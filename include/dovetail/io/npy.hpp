@@ -1,0 +1,19 @@
+/// NPY 1.0, 2.0 and 3.0 (NumPy Enhancement Proposal 1): one array, with a header in Python's notation.
+#pragma once
+
+#include "dovetail/io/input_file.hpp"
+#include "dovetail/io/points.hpp"
+
+#include <string>
+
+namespace dovetail {
+
+/// Local. Takes float64 and float32, little endian, N x 2 or N x 3, in C or Fortran order.
+/// Errors (input): not NPY, malformed header, another type or shape, a length that is not what the header
+/// says.
+PointFile read_npy_header(const InputFile &file);
+
+/// The header, version 1.0, of an array of float64 in C order; its length is a multiple of 64.
+std::string npy_header(GlobalIndex rows, int columns);
+
+} // namespace dovetail

@@ -1,0 +1,56 @@
+/// A file that all ranks write together, aside, and that appears under its name only when it is complete.
+#pragma once
+
+#include "dovetail/comm/communicator.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace dovetail {
+
+/// The life of an output:
+///
+///     OutputFile file(comm, "mesh.vtkhdf");                  // Collective: creates mesh.vtkhdf.partial
+///     collectively(comm, [&] { file.write_at(offset, ...); }); // Local: each rank its own byte ranges
+///     file.commit();                                         // Collective: sync, rename
+///
+/// A file that is not committed is removed when it is destroyed, so an Error that leaves the scope on all
+/// ranks cleans up after itself. What another library writes can be kept aside in the same way: let it write
+/// to aside(), close it, and commit. An older file of the name stays untouched until commit replaces it.
+/// A process that is killed leaves the `.partial` behind; the next run overwrites it.
+///
+/// Errors are of kind output: no such folder, no permission, a folder or device of this name, disk full,
+/// file too large. SIGXFSZ must be ignored by the program for the last (the command does so).
+class OutputFile {
+public:
+  /// Collective. Every rank names the same path.
+  OutputFile(const Communicator &comm, std::string path);
+  OutputFile(const OutputFile &) = delete;
+  OutputFile &operator=(const OutputFile &) = delete;
+  /// Local. The root removes what was not committed; no rank may still be writing.
+  ~OutputFile();
+
+  const std::string &path() const { return path_; }
+  /// Where it is until it is committed: path() + ".partial", in the same folder.
+  const std::string &aside() const { return aside_; }
+
+  /// Local: throws an Error, so call it inside `collectively`. Ranks' ranges must not overlap.
+  void write_at(std::int64_t offset, std::span<const std::byte> bytes);
+
+  /// Collective. The data is on disk (fsync) before the name is.
+  void commit();
+
+private:
+  void open();
+  void close() noexcept;
+
+  const Communicator &comm_;
+  std::string path_;
+  std::string aside_;
+  int descriptor_ = -1;
+  bool created_ = false; // by this rank, the root, and not yet committed
+};
+
+} // namespace dovetail

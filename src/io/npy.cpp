@@ -1,0 +1,243 @@
+#include "dovetail/io/npy.hpp"
+
+#include "dovetail/io/little_endian.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+namespace dovetail {
+namespace {
+
+constexpr std::string_view magic("\x93NUMPY", 6);
+constexpr std::int64_t longest_header = 1 << 20;
+
+// What the dictionary of a header says.
+struct ArrayHeader {
+  std::string type;
+  bool fortran_order = false;
+  std::vector<GlobalIndex> shape;
+};
+
+// Reads a Python dictionary with exactly the keys descr, fortran_order and shape, each once, and nothing
+// after it but blanks. Throws a description of the fault.
+class HeaderParser {
+public:
+  struct Fault {
+    std::size_t position;
+    std::string what;
+  };
+
+  explicit HeaderParser(std::string_view text) : text_(text) {}
+
+  ArrayHeader parse() {
+    ArrayHeader header;
+    bool type = false, order = false, shape = false;
+    expect('{');
+    while (!accept('}')) {
+      const std::string key = string();
+      expect(':');
+      if (key == "descr" && !type) {
+        if (next() != '\'' && next() != '"')
+          fail("the array has named fields or is nested");
+        header.type = string();
+        type = true;
+      } else if (key == "fortran_order" && !order) {
+        header.fortran_order = boolean();
+        order = true;
+      } else if (key == "shape" && !shape) {
+        header.shape = tuple();
+        shape = true;
+      } else {
+        fail(fmt::format("key '{}' is unknown or given twice", key));
+      }
+      if (!accept(',') && next() != '}')
+        fail("',' or '}' is missing");
+    }
+    next();
+    if (position_ < text_.size())
+      fail("something follows the dictionary");
+    if (!type || !order || !shape)
+      fail("'descr', 'fortran_order' or 'shape' is missing");
+    return header;
+  }
+
+private:
+  [[noreturn]] void fail(std::string what) const { throw Fault{position_, std::move(what)}; }
+
+  // The next character that is not blank; NUL at the end.
+  char next() {
+    while (position_ < text_.size() && (text_[position_] == ' ' || text_[position_] == '\n'))
+      ++position_;
+    return position_ < text_.size() ? text_[position_] : '\0';
+  }
+  bool accept(char wanted) {
+    if (next() != wanted)
+      return false;
+    ++position_;
+    return true;
+  }
+  void expect(char wanted) {
+    if (!accept(wanted))
+      fail(std::string(1, wanted) + " is missing");
+  }
+  std::string string() {
+    const char quote = next();
+    if (quote != '\'' && quote != '"')
+      fail("a string is missing");
+    const std::size_t begin = ++position_;
+    const std::size_t end = text_.find(quote, begin);
+    const std::string_view inside = text_.substr(begin, end - begin);
+    if (end == std::string_view::npos || inside.find_first_of("\\\n") != std::string_view::npos)
+      fail("a string does not end");
+    position_ = end + 1;
+    return std::string(inside);
+  }
+  bool boolean() {
+    next();
+    for (const std::string_view word : {"True", "False"})
+      if (text_.substr(position_).starts_with(word)) {
+        position_ += word.size();
+        return word == "True";
+      }
+    fail("True or False is missing");
+  }
+  std::vector<GlobalIndex> tuple() {
+    std::vector<GlobalIndex> numbers;
+    expect('(');
+    while (!accept(')')) {
+      numbers.push_back(number());
+      if (!accept(',') && next() != ')')
+        fail("',' or ')' is missing");
+    }
+    return numbers;
+  }
+  GlobalIndex number() {
+    const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+    if (!is_digit(next()))
+      fail("a number is missing");
+    GlobalIndex value = 0;
+    for (; position_ < text_.size() && is_digit(text_[position_]); ++position_) {
+      if (value > (std::numeric_limits<GlobalIndex>::max() - 9) / 10)
+        fail("a number is too large");
+      value = 10 * value + (text_[position_] - '0');
+    }
+    if (position_ < text_.size() && text_[position_] == 'L') // long integers of Python 2
+      ++position_;
+    return value;
+  }
+
+  std::string_view text_;
+  std::size_t position_ = 0;
+};
+
+std::string shape_text(const std::vector<GlobalIndex> &shape) {
+  std::string text;
+  for (const GlobalIndex extent : shape)
+    text += (text.empty() ? "" : ", ") + std::to_string(extent);
+  return "(" + text + (shape.size() == 1 ? ",)" : ")");
+}
+
+void take_type(PointFile &result, const InputFile &file, const std::string &type) {
+  if (type == "<f8")
+    result.number_bytes = 8;
+  else if (type == "<f4")
+    result.number_bytes = 4;
+  else
+    file.refuse(0, fmt::format("the numbers are of type '{}', and only '<f8' and '<f4' can be read", type),
+                "save it again with numpy.save(file, array.astype('<f8'))");
+}
+
+void take_shape(PointFile &result, const InputFile &file, const std::vector<GlobalIndex> &shape) {
+  if (shape.size() == 2 && (shape[1] == 2 || shape[1] == 3)) {
+    result.records = shape[0];
+    result.columns = static_cast<int>(shape[1]);
+    return;
+  }
+  const bool transposed = shape.size() == 2 && (shape[0] == 2 || shape[0] == 3);
+  file.refuse(0,
+              fmt::format("the array has the shape {}, and points need (N, 2) or (N, 3)", shape_text(shape)),
+              transposed ? "save it again with numpy.save(file, array.T)"
+                         : "save x and y, and z if there is one, as columns");
+}
+
+void check_length(const PointFile &result, const InputFile &file) {
+  const std::int64_t room = file.bytes() - result.first_byte;
+  if (result.records <= room / result.record_bytes && result.records * result.record_bytes == room)
+    return;
+  if (result.records > room / result.record_bytes)
+    file.refuse(file.bytes(),
+                fmt::format("the file ends here, with {} of the {} points that its header promises",
+                            room / result.record_bytes, result.records),
+                "copy or save the file again");
+  file.refuse(result.first_byte + result.records * result.record_bytes,
+              fmt::format("the file goes on after the {} points that its header promises", result.records),
+              "save one array to a file, again");
+}
+
+} // namespace
+
+PointFile read_npy_header(const InputFile &file) {
+  const auto refuse_header = [&file](std::int64_t byte, const std::string &what) {
+    file.refuse(byte, "the NPY header is malformed: " + what, "save the file again with numpy.save");
+  };
+  std::vector<std::byte> bytes(static_cast<std::size_t>(std::min<std::int64_t>(file.bytes(), 12)));
+  file.read_at(0, bytes);
+  const std::string_view start(reinterpret_cast<const char *>(bytes.data()), bytes.size());
+  if (!start.starts_with(magic))
+    file.refuse(0, bytes.empty() ? "the file is empty" : "this is not an NPY file",
+                "save the points with numpy.save");
+  const int major = bytes.size() > 6 ? std::to_integer<int>(bytes[6]) : 0;
+  const std::int64_t prefix = major == 1 ? 10 : 12;
+  if (file.bytes() < prefix)
+    refuse_header(file.bytes(), "the file ends inside it");
+  if (major < 1 || major > 3 || std::to_integer<int>(bytes[7]) != 0)
+    file.refuse(6, fmt::format("NPY version {}.{} is not known", major, std::to_integer<int>(bytes[7])),
+                "save the file again with numpy.save");
+  const std::int64_t length = major == 1 ? std::int64_t{load_little<std::uint16_t>(&bytes[8])}
+                                         : std::int64_t{load_little<std::uint32_t>(&bytes[8])};
+  if (length > longest_header)
+    refuse_header(8, fmt::format("it has {} bytes", length));
+  if (length > file.bytes() - prefix)
+    refuse_header(file.bytes(), "the file ends inside it");
+  bytes.resize(static_cast<std::size_t>(length));
+  file.read_at(prefix, bytes);
+
+  PointFile result;
+  result.path = file.path();
+  result.format = PointFormat::npy;
+  result.file_bytes = file.bytes();
+  result.first_byte = prefix + length;
+  try {
+    const ArrayHeader header =
+        HeaderParser({reinterpret_cast<const char *>(bytes.data()), bytes.size()}).parse();
+    take_type(result, file, header.type);
+    take_shape(result, file, header.shape);
+    result.by_columns = header.fortran_order;
+  } catch (const HeaderParser::Fault &fault) {
+    refuse_header(prefix + static_cast<std::int64_t>(fault.position), fault.what);
+  }
+  result.record_bytes = std::int64_t{result.columns} * result.number_bytes;
+  check_length(result, file);
+  return result;
+}
+
+std::string npy_header(GlobalIndex rows, int columns) {
+  std::string dictionary =
+      fmt::format("{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, {}), }}", rows, columns);
+  constexpr std::size_t prefix = 10, multiple = 64;
+  const std::size_t used = prefix + dictionary.size() + 1;
+  dictionary.append((multiple - used % multiple) % multiple, ' ');
+  dictionary += '\n';
+  std::string header(magic);
+  header += '\x01';
+  header += '\0';
+  header += static_cast<char>(dictionary.size() & 0xff);
+  header += static_cast<char>(dictionary.size() >> 8);
+  return header + dictionary;
+}
+
+} // namespace dovetail

@@ -1,0 +1,134 @@
+#include "dovetail/io/output_file.hpp"
+
+#include "dovetail/comm/agreement.hpp"
+#include "dovetail/io/input_file.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <fcntl.h>
+#include <filesystem>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <utility>
+
+namespace dovetail {
+namespace {
+
+constexpr mode_t readable_and_writable = 0666; // less the user's umask
+
+[[noreturn]] void fail(const std::string &path, const std::string &what, int error_number) {
+  throw Error(file_problem(ErrorKind::output, path, what, error_number));
+}
+
+// Renaming over a device or a folder would destroy it, or fail at the very end.
+void refuse_unless_replaceable(const std::string &path) {
+  struct stat status = {};
+  if (::stat(path.c_str(), &status) != 0) {
+    if (errno != ENOENT)
+      fail(path, "cannot be written", errno);
+    return;
+  }
+  if (S_ISDIR(status.st_mode))
+    fail(path, "cannot be written", EISDIR);
+  if (!S_ISREG(status.st_mode))
+    throw Error({ErrorKind::output, path, "", "is a device or a pipe, and output needs a file",
+                 "name a file in a folder where you may write"});
+}
+
+void sync_file(const std::string &aside, const std::string &path) {
+  const int descriptor = ::open(aside.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0)
+    fail(path, "cannot be opened to bring it to disk", errno);
+  const int failed = ::fsync(descriptor) != 0 ? errno : 0;
+  ::close(descriptor);
+  if (failed != 0)
+    fail(path, "cannot be brought to disk", failed);
+}
+
+// Makes the new name outlast a power failure. The file is complete under its name whether or not this
+// succeeds, and not every file system can do it or lets us, so failures do not count.
+void sync_folder_of(const std::string &path) {
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  const int descriptor = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0)
+    return;
+  ::fsync(descriptor);
+  ::close(descriptor);
+}
+
+} // namespace
+
+OutputFile::OutputFile(const Communicator &comm, std::string path)
+    : comm_(comm), path_(std::move(path)), aside_(path_ + ".partial") {
+  collectively(comm_, [&] {
+    if (!comm_.is_root())
+      return;
+    refuse_unless_replaceable(path_);
+    refuse_unless_replaceable(aside_);
+    descriptor_ = ::open(aside_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, readable_and_writable);
+    if (descriptor_ < 0)
+      fail(path_, "cannot be written", errno);
+    created_ = true;
+  });
+}
+
+OutputFile::~OutputFile() {
+  close();
+  if (created_)
+    ::unlink(aside_.c_str());
+}
+
+void OutputFile::open() {
+  if (descriptor_ >= 0)
+    return;
+  descriptor_ = ::open(aside_.c_str(), O_WRONLY | O_CLOEXEC);
+  if (descriptor_ < 0)
+    fail(path_, "cannot be written by every rank", errno);
+}
+
+void OutputFile::close() noexcept {
+  if (descriptor_ >= 0)
+    ::close(descriptor_);
+  descriptor_ = -1;
+}
+
+void OutputFile::write_at(std::int64_t offset, std::span<const std::byte> bytes) {
+  open();
+  while (!bytes.empty()) {
+    const ssize_t count = ::pwrite(descriptor_, bytes.data(), bytes.size(), offset);
+    if (count < 0 && errno == EINTR)
+      continue;
+    if (count <= 0) {
+      Problem problem =
+          file_problem(ErrorKind::output, path_, "cannot be written", count < 0 ? errno : ENOSPC);
+      problem.place = "byte " + std::to_string(offset);
+      throw Error(std::move(problem));
+    }
+    offset += count;
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+  }
+}
+
+void OutputFile::commit() {
+  // Each rank's own writes first: on a network file system only their writer can bring them to the server,
+  // and learns of a full disk only now.
+  collectively(comm_, [&] {
+    if (descriptor_ < 0)
+      return;
+    if (::fsync(descriptor_) != 0)
+      fail(path_, "cannot be brought to disk", errno);
+    if (::close(std::exchange(descriptor_, -1)) != 0)
+      fail(path_, "cannot be brought to disk", errno);
+  });
+  collectively(comm_, [&] {
+    if (!comm_.is_root())
+      return;
+    sync_file(aside_, path_); // what another library wrote
+    if (std::rename(aside_.c_str(), path_.c_str()) != 0)
+      fail(path_, "cannot be given its name", errno);
+    created_ = false;
+    sync_folder_of(path_);
+  });
+}
+
+} // namespace dovetail

@@ -1,0 +1,85 @@
+// Point files and coordinate systems in words.
+#include "dovetail/io/las.hpp"
+#include "dovetail/io/little_endian.hpp"
+#include "dovetail/io/points.hpp"
+
+#include <fmt/format.h>
+
+namespace dovetail {
+namespace {
+
+std::string line(std::string_view label, const std::string &value) {
+  return fmt::format("{:<18} {}", label, value);
+}
+
+std::string format_text(const PointFile &file) {
+  switch (file.format) {
+  case PointFormat::las:
+    return fmt::format("LAS 1.{}, point format {}", file.las.version_minor, file.las.point_format);
+  case PointFormat::npy:
+    return fmt::format("NPY, float{}, {} order", 8 * file.number_bytes, file.by_columns ? "Fortran" : "C");
+  case PointFormat::f64:
+    break;
+  }
+  return "pairs of little-endian doubles";
+}
+
+// The EPSG codes in a GeoTIFF key directory (OGC 19-008r4): four 16-bit words for the directory, then four
+// for each key; a key whose second word is 0 has its value in the fourth.
+std::string geotiff_codes(const std::vector<std::uint8_t> &bytes) {
+  const auto word = [&](std::size_t i) {
+    return load_little<std::uint16_t>(reinterpret_cast<const std::byte *>(bytes.data()) + 2 * i);
+  };
+  constexpr std::uint16_t geographic = 2048, projected = 3072, vertical = 4096, user_defined = 32767;
+  std::string codes;
+  for (std::size_t key = 4; 2 * (key + 4) <= bytes.size(); key += 4) {
+    const std::uint16_t id = word(key), code = word(key + 3);
+    const bool wanted = id == geographic || id == projected || id == vertical;
+    if (wanted && word(key + 1) == 0 && code != 0 && code != user_defined)
+      codes += fmt::format("{}EPSG:{}", codes.empty() ? "" : " ", code);
+  }
+  return codes;
+}
+
+} // namespace
+
+std::string description_line(const CoordinateSystemRecord &record) {
+  constexpr std::uint16_t wkt = 2112, geotiff_keys = 34735, geotiff_text = 34737;
+  std::string detail = record.description;
+  if (record.record_id == geotiff_keys)
+    detail = geotiff_codes(record.bytes);
+  if (record.record_id == wkt || record.record_id == geotiff_text) {
+    detail.assign(record.bytes.begin(), record.bytes.end());
+    constexpr std::size_t longest = 60;
+    detail.resize(std::min(detail.find('\0'), detail.size()));
+    if (detail.size() > longest)
+      detail = detail.substr(0, longest) + "...";
+  }
+  for (char &c : detail)
+    if (static_cast<unsigned char>(c) < ' ')
+      c = ' ';
+  return fmt::format("{} {}, {} bytes{}{}", record.user_id, record.record_id, record.bytes.size(),
+                     detail.empty() ? "" : ": ", detail);
+}
+
+std::vector<std::string> description_lines(const PointFile &file) {
+  std::vector<std::string> lines;
+  lines.push_back(line("format", format_text(file)));
+  lines.push_back(line("points", fmt::format("{}", file.records)));
+  lines.push_back(line("attributes", file.columns == 3 ? "z" : "none"));
+  if (file.format == PointFormat::las) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      lines.push_back(line(fmt::format("{} (in the header)", "xyz"[axis]),
+                           fmt::format("{} to {}", file.las.lowest[axis], file.las.highest[axis])));
+    const auto &scale = file.las.scale;
+    lines.push_back(line("scale", fmt::format("{} {} {}", scale[0], scale[1], scale[2])));
+    lines.push_back(line("record", fmt::format("{} bytes, {} of them extra", file.record_bytes,
+                                               file.record_bytes - las_record_bytes(file.las.point_format))));
+  }
+  for (const CoordinateSystemRecord &record : file.coordinate_system)
+    lines.push_back(line("coordinate system", description_line(record)));
+  lines.push_back(line("file", fmt::format("{} bytes", file.file_bytes)));
+  return lines;
+}
+
+} // namespace dovetail
