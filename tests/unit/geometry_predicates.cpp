@@ -189,9 +189,10 @@ struct Checked {
 void check_lines(const Case &given, const std::vector<mpz_class> &z, Axis axis, Checked &checked) {
   const auto [a, b, c, unused] = given.points;
   const auto site = [&](std::size_t i) {
-    return axis == Axis::x ? oracle::Site{z[2 * i], z[2 * i + 1]} : oracle::Site{z[2 * i + 1], z[2 * i]};
+    return axis == Axis::x ? oracle::Site<mpz_class>{z[2 * i], z[2 * i + 1]}
+                           : oracle::Site<mpz_class>{z[2 * i + 1], z[2 * i]};
   };
-  const oracle::Site A = site(0), B = site(1), C = site(2);
+  const oracle::Site<mpz_class> A = site(0), B = site(1), C = site(2);
   const SplitLine line{given.line, axis};
   const Sign turn = oracle::hull_turn(A, B, C, z[8]);
   const Sign plain = oracle::sign(oracle::hull_polynomial(A, B, C, z[8]));
@@ -213,7 +214,7 @@ void check(const Case &given, Checked &checked) {
   auto [a, b, c, d] = given.points;
   const std::array<double, 9> values = {a.x, a.y, b.x, b.y, c.x, c.y, d.x, d.y, given.line};
   const std::vector<mpz_class> z = oracle::as_integers(values);
-  const oracle::Site A{z[0], z[1]}, B{z[2], z[3]}, C{z[4], z[5]}, D{z[6], z[7]};
+  const oracle::Site<mpz_class> A{z[0], z[1]}, B{z[2], z[3]}, C{z[4], z[5]}, D{z[6], z[7]};
   const Sign turn = oracle::orientation(A, B, C);
   ASSERT_EQ(orientation(a, b, c), turn) << given;
   ASSERT_EQ(exact::orientation(a, b, c), turn) << given;
@@ -225,8 +226,8 @@ void check(const Case &given, Checked &checked) {
     return;
   if (turn == Sign::negative)
     std::swap(b, c);
-  const Sign inside =
-      turn == Sign::positive ? oracle::in_circle({A, B, C, D}) : oracle::in_circle({A, C, B, D});
+  const Sign inside = turn == Sign::positive ? oracle::in_circle<mpz_class>({A, B, C, D})
+                                             : oracle::in_circle<mpz_class>({A, C, B, D});
   ASSERT_NE(inside, Sign::zero) << given;
   ASSERT_EQ(in_circle(a, b, c, d), inside) << given;
   ASSERT_EQ(exact::in_circle(a, b, c, d), inside) << given;

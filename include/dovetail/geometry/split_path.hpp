@@ -12,6 +12,11 @@
 #include "dovetail/base/types.hpp"
 #include "dovetail/geometry/predicates.hpp"
 
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -52,27 +57,38 @@ public:
 
   /// Never false for a site that can be on the true path; rounding may let a little more through.
   /// Constant time for nearly all that it rejects, O(log(approximate path)) for the rest.
-  bool lets_through(Point site) const;
+  bool lets_through(Point site) const {
+    const double position = along(site, line_.axis);
+    const double distance = std::fabs(across(site, line_.axis) - line_.position);
+    return !(distance > band_reach_[band(position)]) && is_within_reach(position, distance);
+  }
 
   /// No site between the ends of the approximate path and farther from the line than this is let through.
   double reach() const { return reach_; }
 
 private:
-  bool lets_through_between(double position, double distance) const;
+  bool is_within_reach(double position, double distance) const;
 
-  /// Bands of `along`, numbered upwards: as wide as each other near the middle of the path and wider in
-  /// proportion to the distance from it outside. Each has the largest reach of the pairs that meet it.
-  std::size_t band(double position) const;
+  /// Bands of `along`, numbered upwards: all alike near the middle of the path, wider in proportion to the
+  /// distance from it beyond. The leading bits of a double that is at least 1 are just such a number.
+  std::size_t band(double position) const {
+    const double distance = std::fabs(position - middle_) * per_scale_ + 1.0;
+    const std::uint64_t steps =
+        (std::bit_cast<std::uint64_t>(distance) - std::bit_cast<std::uint64_t>(1.0)) >> shift_;
+    const std::size_t from_middle = std::min<std::size_t>(steps, half_ - 1);
+    return position < middle_ ? half_ - 1 - from_middle : half_ + from_middle;
+  }
+  void choose_bands();
 
   SplitLine line_;
-  double reach_ = 0;
+  double reach_;
   double middle_ = 0;
-  double per_scale_ = 0; ///< bands become wider beyond the distance 1 / per_scale_ from the middle
-  int shift_ = 0;
-  std::size_t half_ = 1; ///< bands below, and as many above the middle
-  std::vector<double> band_reach_;
-  std::vector<double> position_; ///< along, of the approximate path
-  std::vector<double> distance_; ///< from the line
+  double per_scale_ = 0;
+  int shift_ = 52;
+  std::size_t half_ = 1;           ///< bands below the middle, and as many above
+  std::vector<double> band_reach_; ///< the largest reach of the pairs of path sites that meet the band
+  std::vector<double> position_;   ///< of the path sites, along the line
+  std::vector<double> distance_;   ///< of the path sites from the line
 };
 
 } // namespace dovetail
