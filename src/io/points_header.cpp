@@ -39,8 +39,10 @@ PointFile read_f64_header(const InputFile &file) {
 [[noreturn]] void refuse_extension(const std::string &path) {
   if (extension_of(path) == ".laz")
     throw Error({ErrorKind::input, path, "", "compressed LAS is not read", unpacking_advice(path)});
+  const std::string extension = extension_of(path);
   throw Error({ErrorKind::input, path, "",
-               fmt::format("'{}' is not a known kind of point file", extension_of(path)),
+               extension.empty() ? "has no extension that says what it is"
+                                 : fmt::format("'{}' is not the extension of a point file", extension),
                "known are .las, .npy and .f64"});
 }
 

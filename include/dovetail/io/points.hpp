@@ -11,6 +11,7 @@
 /// files before.
 #pragma once
 
+#include "dovetail/base/error.hpp"
 #include "dovetail/base/point_table.hpp"
 #include "dovetail/comm/communicator.hpp"
 
