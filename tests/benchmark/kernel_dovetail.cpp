@@ -1,0 +1,16 @@
+#include "kernel_driver.hpp"
+
+#include "dovetail/mesh/divide_and_conquer.hpp"
+
+using namespace dovetail;
+using Points = std::vector<Point>;
+
+int main(int argc, char **argv) {
+  return benchmark::drive(
+      argc, argv, "dovetail", [](Points points) { return points; },
+      [](const Points &sites) { return delaunay(sites); },
+      [](const Points &sites, const Triangulation &mesh) {
+        return benchmark::Result{mesh.corners.size() / 3,
+                                 checksum_of_sites(sites) + checksum_of_triangles(sites, mesh.corners)};
+      });
+}
