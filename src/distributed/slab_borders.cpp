@@ -1,0 +1,113 @@
+#include "slab_borders.hpp"
+
+#include "dovetail/comm/agreement.hpp"
+#include "dovetail/comm/collectives.hpp"
+#include "dovetail/comm/exchange.hpp"
+#include "sort_points.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <numeric>
+
+namespace dovetail {
+namespace {
+
+/// `across` in the upper, `along` in the lower half: the total order as one integer.
+__extension__ using Position = unsigned __int128;
+
+Position position_of(Point p, Axis axis) {
+  return (static_cast<Position>(ordered_bits(across(p, axis))) << 64) | ordered_bits(along(p, axis));
+}
+
+/// The position sought for one target is in [low, high); this rank's points before it number at least
+/// low_count and at most high_count.
+struct Bracket {
+  GlobalIndex target;
+  Position low = 0;
+  Position high = 0;
+  std::int64_t low_count = 0;
+  std::int64_t high_count = 0;
+  bool found = false;
+};
+
+} // namespace
+
+std::vector<std::int64_t> cut_positions(const Communicator &comm, std::span<const Point> points, Axis axis,
+                                        std::span<const GlobalIndex> targets) {
+  const std::int64_t count = std::ssize(points);
+  const GlobalIndex total = all_reduce_sum(comm, count);
+  const auto first = points.empty() ? ~std::uint64_t{0} : ordered_bits(across(points.front(), axis));
+  const auto last = points.empty() ? std::uint64_t{0} : ordered_bits(across(points.back(), axis));
+  // Nothing is below `lowest` and, of finite coordinates, nothing at or above `beyond`.
+  const Position lowest = static_cast<Position>(all_reduce_min(comm, first)) << 64;
+  const Position beyond = static_cast<Position>(all_reduce_max(comm, last) + 1) << 64;
+
+  std::vector<Bracket> brackets;
+  for (const GlobalIndex target : targets)
+    brackets.push_back(
+        {target, lowest, beyond, target >= total ? count : 0, count, target <= 0 || target >= total});
+
+  const auto is_open = [](const Bracket &b) { return !b.found && b.high - b.low > 1; };
+  const auto middle = [](const Bracket &b) { return b.low + (b.high - b.low) / 2; };
+  const auto count_before = [&](const Bracket &b) {
+    const auto at = std::lower_bound(points.begin() + b.low_count, points.begin() + b.high_count, middle(b),
+                                     [&](Point p, Position m) { return position_of(p, axis) < m; });
+    return static_cast<std::int64_t>(at - points.begin());
+  };
+  for (;;) {
+    std::vector<std::int64_t> own;
+    for (const Bracket &b : brackets)
+      if (is_open(b))
+        own.push_back(count_before(b));
+    if (own.empty())
+      break;
+    const std::vector<std::int64_t> all = all_reduce_sum(comm, own);
+    std::size_t next = 0;
+    for (Bracket &b : brackets) {
+      if (!is_open(b))
+        continue;
+      const bool enough = all[next] > b.target;
+      (enough ? b.high : b.low) = middle(b);
+      (enough ? b.high_count : b.low_count) = own[next];
+      b.found = all[next] == b.target;
+      ++next;
+    }
+  }
+  std::vector<std::int64_t> cuts;
+  for (const Bracket &b : brackets)
+    cuts.push_back(b.low_count);
+  return cuts;
+}
+
+void redistribute(const Communicator &comm, PointTable &table, std::span<const std::int64_t> send_counts) {
+  const auto own = static_cast<std::size_t>(comm.rank());
+  const std::vector<std::int64_t> receive_counts = exchange_counts(comm, send_counts);
+  const std::int64_t sent = std::reduce(send_counts.begin(), send_counts.end());
+  const std::int64_t received = std::reduce(receive_counts.begin(), receive_counts.end());
+  if (!any_of_ranks(comm, sent != send_counts[own] || received != receive_counts[own]))
+    return;
+
+  const auto size = static_cast<std::size_t>(received);
+  const auto buffer = collectively(comm, [&] {
+    if (size > table.points.size()) {
+      table.points.reserve(size);
+      table.input_index.reserve(size);
+      for (Attribute &attribute : table.attributes)
+        attribute.values.reserve(size);
+    }
+    return std::make_unique_for_overwrite<Point[]>(size);
+  });
+  const auto exchange_column = [&]<class Value>(std::vector<Value> &column) {
+    static_assert(sizeof(Value) <= sizeof(Point) && alignof(Value) <= alignof(Point));
+    const std::span arriving(reinterpret_cast<Value *>(buffer.get()), size);
+    exchange_into<Value>(comm, column, send_counts, arriving, receive_counts);
+    column.resize(size);
+    std::copy(arriving.begin(), arriving.end(), column.begin());
+  };
+  exchange_column(table.points);
+  exchange_column(table.input_index);
+  for (Attribute &attribute : table.attributes)
+    exchange_column(attribute.values);
+}
+
+} // namespace dovetail
