@@ -4,6 +4,8 @@
 #include "merge.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace dovetail {
 namespace {
@@ -43,13 +45,13 @@ Hull conquer(const Sphere &sphere, Vertex first, Vertex count, unsigned axis) {
 }
 
 /// Drops the ghosts by moving triangles from the end into their places. Returns how many triangles stay.
-std::uint32_t drop_ghosts(Vertex *origin, HalfEdge *twin, std::uint32_t triangles) {
-  constexpr HalfEdge beyond = ghost_vertex;
+LocalIndex drop_ghosts(Vertex *origin, HalfEdge *twin, LocalIndex triangles) {
+  constexpr HalfEdge beyond = none;
   for (HalfEdge h = 0; h < 3 * triangles; h += 3)
     if (origin[h + 2] == ghost_vertex && twin[h] != beyond)
       twin[twin[h]] = beyond;
-  std::uint32_t hole = 0;
-  std::uint32_t end = triangles;
+  LocalIndex hole = 0;
+  LocalIndex end = triangles;
   for (;;) {
     while (hole < end && origin[3 * hole + 2] != ghost_vertex)
       ++hole;
@@ -83,25 +85,32 @@ Triangulation delaunay(std::span<const Point> sites) {
   for (std::size_t i = 0; i < n; ++i)
     order[i] = {sites[i], static_cast<LocalIndex>(i)};
   cut(order, 0);
-  std::vector<Point> points(n);
-  for (std::size_t i = 0; i < n; ++i)
-    points[i] = order[i].point;
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  std::vector<Point> points(n + 1);
+  points[0] = {nan, nan};
+  double greatest = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    points[i + 1] = order[i].point;
+    greatest = std::max({greatest, std::fabs(order[i].point.x), std::fabs(order[i].point.y)});
+  }
 
   Triangulation result;
   result.corners.resize(6 * n - 6);
   result.neighbours.resize(6 * n - 6);
-  // Signed and unsigned variants of one type may stand for each other.
-  auto *origin = reinterpret_cast<Vertex *>(result.corners.data());
-  auto *twin = reinterpret_cast<HalfEdge *>(result.neighbours.data());
-  conquer({points.data(), origin, twin}, 0, static_cast<Vertex>(n), 0);
-  const std::uint32_t triangles = drop_ghosts(origin, twin, static_cast<std::uint32_t>(2 * n - 2));
-  result.corners.resize(3 * std::size_t{triangles});
-  result.neighbours.resize(3 * std::size_t{triangles});
+  auto *origin = result.corners.data();
+  auto *twin = result.neighbours.data();
+  const double guard = greatest <= divide_and_conquer::greatest_filtered_coordinate
+                           ? divide_and_conquer::sight_guard
+                           : divide_and_conquer::no_filter;
+  conquer({points.data() + 1, origin, twin, guard}, 0, static_cast<Vertex>(n), 0);
+  const LocalIndex triangles = drop_ghosts(origin, twin, static_cast<LocalIndex>(2 * n - 2));
+  result.corners.resize(3 * static_cast<std::size_t>(triangles));
+  result.neighbours.resize(3 * static_cast<std::size_t>(triangles));
   for (std::size_t t = 0; t < result.corners.size(); t += 3) {
     LocalIndex across[3];
     for (std::size_t i = 0; i < 3; ++i) {
       result.corners[t + i] = order[static_cast<std::size_t>(result.corners[t + i])].index;
-      across[i] = twin[t + i] == ghost_vertex ? none : static_cast<LocalIndex>(twin[t + i] / 3);
+      across[i] = twin[t + i] == none ? none : twin[t + i] / 3;
     }
     result.neighbours[t] = across[1]; // half-edge i leaves corner i: it lies across from corner i + 2
     result.neighbours[t + 1] = across[2];

@@ -93,6 +93,10 @@ Hull Sphere::three_sites(Vertex first) const {
   return hull;
 }
 
+bool Sphere::is_inside_exactly(Vertex l, Vertex r, Vertex p, Vertex q) const {
+  return in_circle(site[l], site[r], site[p], site[q]) == Sign::positive;
+}
+
 /// Zips two parts together. Every site of `left` must be less than every site of `right` in the order of
 /// `axis`; `spare` is the first of the two free triangles.
 Hull Sphere::merge(const Hull &left, const Hull &right, unsigned axis, HalfEdge spare) const {
@@ -135,67 +139,71 @@ Hull Sphere::merge(const Hull &left, const Hull &right, unsigned axis, HalfEdge 
 
   // left_rim and right_rim are heads of two chains of triangles to be replaced, each beyond one edge of the
   // upward boundary: l -> origin[left_rim], and origin[right_rim + 1] -> r.
+  Point at_l = site[l];
+  Point at_r = site[r];
   for (;;) {
-    const Vertex left_next = origin[left_rim];
-    const bool left_valid = turns_left(l, r, left_next);
+    Vertex left_next = origin[left_rim];
+    Vertex right_next = origin[right_rim + 1];
+    Sight left_seen = look(site[left_next], at_l, at_r);
+    Sight right_seen = look(site[right_next], at_l, at_r);
+    const bool left_valid = is_above(l, r, left_next, left_seen);
+    const bool right_valid = is_above(l, r, right_next, right_seen);
     if (left_valid) {
       for (;;) {
         const HalfEdge inner = twin[left_rim];
         const HalfEdge triangle = triangle_of(inner);
-        const HalfEdge after = inner == triangle + 2 ? triangle : inner + 1;
-        const HalfEdge before = inner == triangle ? triangle + 2 : inner - 1;
-        const Vertex apex = origin[before];
-        if (apex == ghost_vertex || !inside_circle(l, r, origin[left_rim], apex))
+        const Vertex apex = origin[before(inner, triangle)];
+        const Sight seen = look(site[apex], at_l, at_r);
+        if (!is_inside(l, r, left_next, left_seen, apex, seen))
           break;
-        join(left_rim, twin[after]);
-        join(triangle, twin[before]);
+        join(left_rim, twin[after(inner, triangle)]);
+        join(triangle, twin[before(inner, triangle)]);
         set_ghost(triangle, l, apex);
         twin[triangle + 2] = left_rim + 1;
         left_rim = triangle;
+        left_next = apex;
+        left_seen = seen;
       }
+    } else if (!right_valid) {
+      break;
     }
-    const Vertex right_next = origin[right_rim + 1];
-    const bool right_valid = turns_left(l, r, right_next);
     if (right_valid) {
       for (;;) {
         const HalfEdge inner = twin[right_rim];
         const HalfEdge triangle = triangle_of(inner);
-        const HalfEdge after = inner == triangle + 2 ? triangle : inner + 1;
-        const HalfEdge before = inner == triangle ? triangle + 2 : inner - 1;
-        const Vertex apex = origin[before];
-        if (apex == ghost_vertex || !inside_circle(l, r, origin[right_rim + 1], apex))
+        const Vertex apex = origin[before(inner, triangle)];
+        const Sight seen = look(site[apex], at_l, at_r);
+        if (!is_inside(l, r, right_next, right_seen, apex, seen))
           break;
-        join(right_rim, twin[before]);
-        join(triangle, twin[after]);
+        join(right_rim, twin[before(inner, triangle)]);
+        join(triangle, twin[after(inner, triangle)]);
         set_ghost(triangle, apex, r);
         twin[triangle + 1] = right_rim + 2;
         right_rim = triangle;
+        right_next = apex;
+        right_seen = seen;
       }
     }
-    if (!left_valid && !right_valid)
-      break;
-    const bool take_right =
-        !left_valid || (right_valid && inside_circle(l, r, origin[left_rim], origin[right_rim + 1]));
-    if (take_right) {
+    if (!left_valid || (right_valid && is_inside(l, r, left_next, left_seen, right_next, right_seen))) {
       const HalfEdge triangle = right_rim;
       const HalfEdge inner = twin[triangle];
-      const Vertex apex = origin[triangle + 1];
       right_rim = ghost_before(triangle);
-      set_origins(triangle, l, r, apex);
+      set_origins(triangle, l, r, right_next);
       join(triangle, below);
       join(triangle + 1, inner);
       below = triangle + 2;
-      r = apex;
+      r = right_next;
+      at_r = site[r];
     } else {
       const HalfEdge triangle = left_rim;
       const HalfEdge inner = twin[triangle];
-      const Vertex apex = origin[triangle];
       left_rim = ghost_after(triangle);
-      set_origins(triangle, l, r, apex);
+      set_origins(triangle, l, r, left_next);
       join(triangle, below);
       join(triangle + 2, inner);
       below = triangle + 1;
-      l = apex;
+      l = left_next;
+      at_l = site[l];
     }
   }
   set_ghost(top, r, l);

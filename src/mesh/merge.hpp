@@ -21,15 +21,16 @@
 #pragma once
 
 #include "dovetail/geometry/predicates.hpp"
+#include "sight.hpp"
 
 #include <cstdint>
 
 namespace dovetail::divide_and_conquer {
 
-using Vertex = std::uint32_t;
-using HalfEdge = std::uint32_t;
+using Vertex = LocalIndex;
+using HalfEdge = LocalIndex;
 
-inline constexpr Vertex ghost_vertex = 0xffffffffU;
+inline constexpr Vertex ghost_vertex = -1;
 
 /// The ghosts that begin at the four extreme vertices of a part, by each of the two orders of cutting.
 struct Hull {
@@ -42,11 +43,16 @@ constexpr bool less_along(Point a, Point b, unsigned axis) {
 }
 
 struct Sphere {
-  const Point *site;
+  const Point *site; ///< site[ghost_vertex] exists too, and is not a number
   Vertex *origin;
   HalfEdge *twin;
+  double guard; ///< of the filter: see sight.hpp
 
-  static HalfEdge triangle_of(HalfEdge h) { return h / 3 * 3; }
+  static HalfEdge triangle_of(HalfEdge h) {
+    return static_cast<HalfEdge>(static_cast<std::uint32_t>(h) / 3 * 3);
+  }
+  static HalfEdge after(HalfEdge h, HalfEdge triangle) { return h == triangle + 2 ? triangle : h + 1; }
+  static HalfEdge before(HalfEdge h, HalfEdge triangle) { return h == triangle ? triangle + 2 : h - 1; }
   HalfEdge ghost_after(HalfEdge ghost) const { return twin[ghost + 2] - 1; }
   HalfEdge ghost_before(HalfEdge ghost) const { return twin[ghost + 1] - 2; }
 
@@ -69,9 +75,18 @@ struct Sphere {
   bool turns_right(Vertex a, Vertex b, Vertex c) const {
     return orientation(site[a], site[b], site[c]) == Sign::negative;
   }
-  bool inside_circle(Vertex a, Vertex b, Vertex c, Vertex d) const {
-    return in_circle(site[a], site[b], site[c], site[d]) == Sign::positive;
+  bool is_above(Vertex l, Vertex r, Vertex p, Sight seen) const {
+    const double bound = height_bound(seen, guard);
+    return seen.im > bound || (!(seen.im < -bound) && turns_left(l, r, p));
   }
+  /// Is q inside the circle of l, r and p, which is above l -> r? False for the ghost vertex.
+  bool is_inside(Vertex l, Vertex r, Vertex p, Sight p_seen, Vertex q, Sight q_seen) const {
+    const double determinant = circle_determinant(p_seen, q_seen);
+    const double bound = circle_bound(p_seen, q_seen, guard);
+    return determinant > bound ||
+           (!(determinant < -bound) && q != ghost_vertex && is_inside_exactly(l, r, p, q));
+  }
+  bool is_inside_exactly(Vertex l, Vertex r, Vertex p, Vertex q) const;
 
   Hull two_sites(Vertex a) const;
   Hull three_sites(Vertex a) const;
