@@ -1,0 +1,49 @@
+/// Options that several subcommands share.
+#pragma once
+
+#include "command.hpp"
+#include "progress.hpp"
+
+#include "dovetail/base/progress.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace dovetail::cli {
+
+/// How much a run tells, and to whom.
+struct Telling {
+  std::string report; ///< file; empty for none
+  bool quiet = false;
+  bool progress = false;
+};
+void add_telling_options(CLI::App &parser, Telling &telling);
+
+/// Adds `--class 2,9`.
+void add_class_option(CLI::App &parser, std::vector<int> &classes);
+
+/// Adds an option whose value is one of `words`.
+template <class Value>
+CLI::Option *add_word_option(CLI::App &parser, const std::string &name, Value &value,
+                             const std::map<std::string, Value> &words, const std::string &description) {
+  return parser.add_option_function<std::string>(
+      name,
+      [&value, words, name](const std::string &word) {
+        const auto found = words.find(word);
+        if (found == words.end())
+          throw CLI::ValidationError(name, "'" + word + "' is none of its values");
+        value = found->second;
+      },
+      description);
+}
+
+/// How progress is shown: only rank 0 is ever not silent.
+ProgressStyle progress_style(bool is_root, const Telling &telling);
+
+/// What the library calls while it works, to move the meter. It must not outlive the meter.
+dovetail::Progress progress_into(ProgressMeter &meter);
+
+} // namespace dovetail::cli

@@ -1,0 +1,83 @@
+#include "output.hpp"
+
+#include "text.hpp"
+
+#include "dovetail/comm/agreement.hpp"
+#include "dovetail/io/output_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <unistd.h>
+
+namespace dovetail::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(const std::string &path, std::string what, std::string remedy,
+                         ErrorKind kind = ErrorKind::output) {
+  throw Error(Problem{kind, path, "", std::move(what), std::move(remedy)});
+}
+
+void check_here(const std::string &path, std::span<const std::string> inputs,
+                std::span<const std::string_view> extensions) {
+  const fs::path file(path);
+  bool known = extensions.empty();
+  for (const std::string_view extension : extensions)
+    known = known || file.extension() == extension;
+  if (!known)
+    refuse(path,
+           file.extension().empty() ? "an output without an extension"
+                                    : fmt::format("'{}' is not an output format", file.extension().string()),
+           "let the name end in " + joined(extensions, " or "), ErrorKind::usage);
+
+  std::error_code ignored;
+  if (fs::is_directory(file, ignored))
+    refuse(path, "is a folder", "name a file in it");
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  if (!fs::exists(folder, ignored))
+    refuse(path, fmt::format("the folder {} does not exist", folder.string()),
+           "make it first, or correct the name");
+  if (!fs::is_directory(folder, ignored))
+    refuse(path, fmt::format("{} is not a folder", folder.string()), "correct the name");
+  if (access(folder.c_str(), W_OK | X_OK) != 0)
+    refuse(path,
+           fmt::format("the folder {} cannot be written to ({})", folder.string(), std::strerror(errno)),
+           "choose another folder, or change its permissions");
+  for (const std::string &input : inputs)
+    if (path == input || fs::equivalent(file, input, ignored))
+      refuse(path, "is an input of this run", "give the output another name", ErrorKind::usage);
+}
+
+} // namespace
+
+void check_output(const Communicator &comm, const std::string &path, std::span<const std::string> inputs,
+                  std::span<const std::string_view> extensions) {
+  collectively(comm, [&] {
+    if (comm.is_root())
+      check_here(path, inputs, extensions);
+  });
+}
+
+void check_report(const Communicator &comm, const std::string &report, std::span<const std::string> inputs,
+                  const std::string &output) {
+  if (report.empty())
+    return;
+  if (report == output)
+    refuse(report, "is both the output and the report", "give the report another name", ErrorKind::usage);
+  check_output(comm, report, inputs, {});
+}
+
+void write_text_file(const Communicator &comm, const std::string &path, const std::string &text) {
+  OutputFile file(comm, path);
+  collectively(comm, [&] {
+    if (comm.is_root())
+      file.write_at(0, std::as_bytes(std::span(text)));
+  });
+  file.commit();
+}
+
+} // namespace dovetail::cli

@@ -1,0 +1,65 @@
+/// Signs of life on standard error while a long run works.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+namespace dovetail::cli {
+
+/// A stage of a run and its usual share of the time, on any scale.
+struct Stage {
+  std::string name;
+  double weight;
+};
+
+enum class ProgressStyle {
+  silent,
+  lines, ///< a line every few seconds, for logs and pipes
+  live,  ///< one line that is written over
+};
+
+/// Tells from a thread of its own, which never calls MPI, which stage is under way, how much of the run is
+/// done, and how long the rest will take if the stages share the time as they usually do. Nothing is printed
+/// in the first seconds: short runs stay silent. Local.
+class ProgressMeter {
+public:
+  ProgressMeter(ProgressStyle style, std::vector<Stage> stages);
+  ProgressMeter(const ProgressMeter &) = delete;
+  ProgressMeter &operator=(const ProgressMeter &) = delete;
+  ~ProgressMeter() { finish(); }
+
+  /// The stage `name` begins, and all before it in the list have ended. A name that is not in the list counts
+  /// as part of the stage under way.
+  void begin(std::string_view name);
+  /// So much of the stage `name` is done, 0 to 1; begins it if it is not under way. A stage that never tells
+  /// is judged by its usual share.
+  void update(std::string_view name, double fraction);
+  /// No more lines; a live line is wiped. May be called more than once.
+  void finish();
+
+private:
+  using Clock = std::chrono::steady_clock;
+  void begin_locked(std::string_view name);
+  void run();
+  std::string line(Clock::time_point now) const;
+
+  const ProgressStyle style_;
+  const std::vector<Stage> stages_;
+  const Clock::time_point start_ = Clock::now();
+
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::size_t current_ = 0;
+  Clock::time_point stage_start_ = start_;
+  std::optional<double> told_fraction_;
+  bool finished_ = false;
+  std::thread thread_;
+};
+
+} // namespace dovetail::cli

@@ -1,0 +1,112 @@
+#include "report.hpp"
+
+#include "output.hpp"
+#include "text.hpp"
+#include "version.hpp"
+
+#include "dovetail/comm/collectives.hpp"
+#include "dovetail/io/libraries.hpp"
+#include "dovetail/io/mesh.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace dovetail::cli {
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+Report phase_as_json(const std::string &name, const PhaseSummary *phase) {
+  Report json;
+  json["name"] = name;
+  for (const char *key :
+       {"wall_max_s", "wall_mean_s", "cpu_max_s", "cpu_sum_s", "bytes_sent", "messages_sent"})
+    json[key] = nullptr;
+  if (phase == nullptr)
+    return json;
+  json["wall_max_s"] = phase->wall_max_s;
+  json["wall_mean_s"] = phase->wall_mean_s;
+  json["cpu_max_s"] = phase->cpu_max_s;
+  json["cpu_sum_s"] = phase->cpu_sum_s;
+  json["bytes_sent"] = phase->bytes_sent;
+  json["messages_sent"] = phase->messages_sent;
+  return json;
+}
+
+} // namespace
+
+Report new_report(const Session &session, const std::string &subcommand,
+                  std::span<const std::string> inputs) {
+  const LibraryVersions libraries = library_versions();
+  Report report;
+  report["program"] = "dovetail";
+  report["version"] = project_version();
+  report["libraries"] = {{"mpi", libraries.mpi}, {"hdf5", libraries.hdf5}};
+  report["mesh_format"] = mesh_format_version;
+  report["subcommand"] = subcommand;
+  report["command_line"] = session.command_line;
+  report["inputs"] = inputs;
+  report["output"] = nullptr;
+  report["ranks"] = session.comm.size();
+  for (const char *key : {"slabs",
+                          "axis",
+                          "points",
+                          "withheld",
+                          "other_class",
+                          "sites",
+                          "duplicates",
+                          "triangles",
+                          "hull_edges",
+                          "checksum",
+                          "valid",
+                          "wall_s",
+                          "peak_rss_max_bytes",
+                          "own_sites_max",
+                          "path_sites_max",
+                          "candidate_sites_max",
+                          "imbalance",
+                          "path_sites",
+                          "longest_path",
+                          "ghosts",
+                          "phases"})
+    report[key] = nullptr;
+  return report;
+}
+
+Report phases_as_json(std::span<const std::string> names, std::span<const PhaseSummary> phases) {
+  Report all = Report::array();
+  for (const std::string &name : names) {
+    const auto phase =
+        std::find_if(phases.begin(), phases.end(), [&](const PhaseSummary &p) { return p.name == name; });
+    all.push_back(phase_as_json(name, phase == phases.end() ? nullptr : &*phase));
+  }
+  for (const PhaseSummary &phase : phases)
+    if (std::find(names.begin(), names.end(), phase.name) == names.end())
+      all.push_back(phase_as_json(phase.name, &phase));
+  return all;
+}
+
+std::string times_text(const Session &session, std::span<const PhaseSummary> phases) {
+  const std::chrono::duration<double> startup = session.ready - session.start;
+  std::vector<std::string> parts{"start " + duration_text(startup.count())};
+  for (const PhaseSummary &phase : phases)
+    parts.push_back(phase.name + " " + duration_text(phase.wall_max_s));
+  return fmt::format("Time: {} ({})", duration_text(seconds_since(session.start)), joined(parts, ", "));
+}
+
+void write_report(const Session &session, Report report, const std::string &path) {
+  if (path.empty())
+    return;
+  report["wall_s"] = seconds_since(session.start);
+  const std::int64_t peak = all_reduce_max(session.comm, peak_rss_bytes());
+  if (report["peak_rss_max_bytes"].is_null())
+    report["peak_rss_max_bytes"] = peak;
+  // File names need not be UTF-8; a report that cannot hold one is still better than none.
+  write_text_file(session.comm, path,
+                  report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+} // namespace dovetail::cli
