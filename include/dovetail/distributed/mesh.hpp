@@ -37,6 +37,23 @@ struct InputDigest {
   std::uint64_t hash = 0; ///< sum of digest_of_point over all points, duplicates included
 };
 
+/// What it took to make a mesh, the same on all ranks. All zero in a mesh that was read from a file.
+struct MeshStatistics {
+  GlobalIndex own_sites_max = 0;       ///< most sites that a rank owns
+  GlobalIndex path_sites_max = 0;      ///< most path sites that a rank holds, all its paths added up
+  GlobalIndex candidate_sites_max = 0; ///< most sites that came together on a rank to make one path
+  GlobalIndex slab_sites_min = 0;
+  GlobalIndex slab_sites_max = 0;
+  GlobalIndex path_sites = 0; ///< of all lines, each path once
+  GlobalIndex longest_path = 0;
+  GlobalIndex ghosts = 0; ///< of all slabs
+
+  /// The largest slab over the mean one; 1 is even.
+  double slab_imbalance(GlobalIndex sites, int slabs) const {
+    return sites > 0 ? static_cast<double>(slab_sites_max) * slabs / static_cast<double>(sites) : 1.0;
+  }
+};
+
 /// What is the same on all ranks, and this rank's consecutive slabs.
 struct DistributedMesh {
   Axis axis = Axis::x;
@@ -47,6 +64,7 @@ struct DistributedMesh {
   std::uint64_t checksum = 0;
   InputDigest digest;
   std::vector<CoordinateSystemRecord> coordinate_system; ///< of the input, carried along
+  MeshStatistics statistics;
 
   int first_slab = 0;                ///< number of slabs.front()
   std::vector<SlabMesh> slabs;       ///< this rank's

@@ -1,0 +1,45 @@
+/// The triangles of a rank's own slabs, without a word to anyone.
+///
+/// A slab is one ordinary triangulation (F4 in include/dovetail/README.md): that of its own sites and those
+/// of its two paths, of which it keeps exactly the triangles with their circumcenter right of the left line
+/// and not right of the right one. Local.
+#pragma once
+
+#include "dovetail/base/progress.hpp"
+#include "dovetail/distributed/mesh.hpp"
+#include "dovetail/distributed/regions.hpp"
+
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace dovetail {
+
+/// Slabs that do not know their neighbours yet. Of `mesh` this is still missing: triangle_offsets,
+/// hull_edges and statistics; the checksum is that of the own slabs; and in the slabs first_triangle,
+/// border_sides, and of ghosts input indices and attributes (whose columns are as long as the own sites
+/// only).
+struct UnstitchedMesh {
+  DistributedMesh mesh;
+  /// Of every own slab the sides 3 * triangle + i without a neighbour in the slab, ascending: each is either
+  /// on a border or on the hull.
+  std::vector<std::vector<LocalIndex>> open_sides;
+  GlobalIndex path_sites = 0;      ///< on all paths that this rank holds
+  GlobalIndex candidate_sites = 0; ///< see Region
+};
+
+/// Local. Errors: the region's own problem; resource, if a slab with its paths has too many sites for local
+/// indices. Cost: the kernel's, and two passes over its triangles.
+UnstitchedMesh triangulate_region(Region &&region, const Progress &progress = {});
+
+/// What a slab will have before any triangle exists (F9): the number of its triangles, from its own sites and
+/// its two paths, which must not be empty. Local. O(own sites + paths) worst case, O(paths) typically: only
+/// sites at the lowest and highest `along` matter beside the paths.
+GlobalIndex triangles_between(std::span<const Point> own_sites, GlobalIndex first_site, const Path &left,
+                              const Path &right, Axis axis);
+
+/// Takes the triangles out for which `removed` lists the numbers, ascending; those at the end fill the gaps.
+/// Neighbours of what is gone become `none`. Local. O(removed · log removed).
+void remove_triangles(Triangulation &triangles, std::span<const LocalIndex> removed);
+
+} // namespace dovetail

@@ -1,0 +1,96 @@
+#include "dovetail/distributed/stitch.hpp"
+
+#include "dovetail/comm/collectives.hpp"
+#include "dovetail/comm/exchange.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+namespace dovetail {
+namespace stitching {
+
+int Owners::rank_of_site(GlobalIndex number) const {
+  const auto beyond = std::upper_bound(first_site.begin(), first_site.end(), number);
+  return static_cast<int>(beyond - first_site.begin()) - 1;
+}
+
+Owners owners(const Communicator &comm, const DistributedMesh &mesh) {
+  const GlobalIndex first = mesh.slabs.empty() ? none : mesh.slabs.front().first_site;
+  Owners result{all_gather(comm, first)};
+  result.first_site.push_back(mesh.site_count());
+  // A rank without slabs begins where the next one does, and so owns nothing.
+  for (std::size_t r = result.first_site.size() - 1; r-- > 0;)
+    if (result.first_site[r] == none)
+      result.first_site[r] = result.first_site[r + 1];
+  return result;
+}
+
+void number_triangles(const Communicator &comm, DistributedMesh &mesh) {
+  std::vector<GlobalIndex> counts;
+  for (const SlabMesh &slab : mesh.slabs)
+    counts.push_back(slab.triangles.triangle_count());
+  mesh.triangle_offsets.assign(1, 0);
+  for (const GlobalIndex count : all_gather_bulk<GlobalIndex>(comm, counts).data)
+    mesh.triangle_offsets.push_back(mesh.triangle_offsets.back() + count);
+  for (std::size_t k = 0; k < mesh.slabs.size(); ++k)
+    mesh.slabs[k].first_triangle = mesh.triangle_offsets[static_cast<std::size_t>(mesh.first_slab) + k];
+}
+
+} // namespace stitching
+
+namespace {
+
+/// Collective.
+MeshStatistics statistics_of(const Communicator &comm, const UnstitchedMesh &unstitched) {
+  const DistributedMesh &mesh = unstitched.mesh;
+  GlobalIndex own = 0, path_sites = 0, longest = 0, ghosts = 0;
+  for (const SlabMesh &slab : mesh.slabs) {
+    own += slab.own_count;
+    path_sites += static_cast<GlobalIndex>(slab.left_path.size());
+    longest = std::max(longest, static_cast<GlobalIndex>(slab.left_path.size()));
+    ghosts += static_cast<GlobalIndex>(slab.ghost_number.size());
+  }
+  const auto maxima =
+      all_reduce_max(comm, std::vector{own, unstitched.path_sites, unstitched.candidate_sites, longest});
+  const auto sums = all_reduce_sum(comm, std::vector{path_sites, ghosts});
+  MeshStatistics result;
+  result.own_sites_max = maxima[0];
+  result.path_sites_max = maxima[1];
+  result.candidate_sites_max = maxima[2];
+  result.longest_path = maxima[3];
+  result.path_sites = sums[0];
+  result.ghosts = sums[1];
+  result.slab_sites_min = std::numeric_limits<GlobalIndex>::max();
+  for (std::size_t s = 0; s + 1 < mesh.site_offsets.size(); ++s) {
+    const GlobalIndex sites = mesh.site_offsets[s + 1] - mesh.site_offsets[s];
+    result.slab_sites_min = std::min(result.slab_sites_min, sites);
+    result.slab_sites_max = std::max(result.slab_sites_max, sites);
+  }
+  return result;
+}
+
+/// A wrong count is a bug of ours: it must never become a file. All ranks see the same numbers.
+void check_euler(const DistributedMesh &mesh) {
+  const GlobalIndex triangles = mesh.triangle_count();
+  if (triangles > 0 && triangles != 2 * mesh.site_count() - 2 - mesh.hull_edges)
+    throw std::logic_error("the stitched mesh violates Euler's relation");
+}
+
+} // namespace
+
+DistributedMesh stitch(const Communicator &comm, UnstitchedMesh &&unstitched) {
+  const MeshStatistics statistics = statistics_of(comm, unstitched);
+  DistributedMesh mesh = std::move(unstitched.mesh);
+  const stitching::Owners owners = stitching::owners(comm, mesh);
+  stitching::number_triangles(comm, mesh);
+  stitching::match_open_sides(comm, owners, unstitched.open_sides, mesh);
+  stitching::complete_ghosts(comm, owners, mesh);
+  mesh.statistics = statistics;
+  mesh.checksum = all_reduce_sum(comm, mesh.checksum);
+  check_euler(mesh);
+  return mesh;
+}
+
+} // namespace dovetail

@@ -1,0 +1,86 @@
+#include "dovetail/comm/exchange.hpp"
+#include "dovetail/distributed/stitch.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <span>
+
+namespace dovetail::stitching {
+namespace {
+
+/// The numbers of all ghosts of this rank's slabs, each once, ascending.
+std::vector<GlobalIndex> ghosts_of(const DistributedMesh &mesh) {
+  std::vector<GlobalIndex> numbers;
+  for (const SlabMesh &slab : mesh.slabs)
+    numbers.insert(numbers.end(), slab.ghost_number.begin(), slab.ghost_number.end());
+  std::ranges::sort(numbers);
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  return numbers;
+}
+
+/// Numbers to the ranks that own them: both ascend, so what goes to one rank is a piece of the whole.
+std::vector<Outgoing<GlobalIndex>> address(const Owners &owners, std::span<const GlobalIndex> numbers) {
+  std::vector<Outgoing<GlobalIndex>> letters;
+  for (std::size_t begin = 0, end = 0; begin < numbers.size(); begin = end) {
+    const int rank = owners.rank_of_site(numbers[begin]);
+    const GlobalIndex beyond = owners.first_site[static_cast<std::size_t>(rank) + 1];
+    while (end < numbers.size() && numbers[end] < beyond)
+      ++end;
+    letters.push_back({rank, numbers.subspan(begin, end - begin)});
+  }
+  return letters;
+}
+
+const SlabMesh &slab_of_site(const DistributedMesh &mesh, GlobalIndex number) {
+  const auto beyond = std::ranges::upper_bound(mesh.slabs, number, {}, &SlabMesh::first_site);
+  return *std::prev(beyond);
+}
+
+/// One record a number: the input index, then the attributes, each as the bits of its 64.
+using Word = std::uint64_t;
+
+std::vector<Word> records_of(const DistributedMesh &mesh, const std::vector<GlobalIndex> &numbers) {
+  std::vector<Word> words;
+  for (const GlobalIndex number : numbers) {
+    const SlabMesh &slab = slab_of_site(mesh, number);
+    const auto vertex = static_cast<std::size_t>(number - slab.first_site);
+    words.push_back(std::bit_cast<Word>(slab.vertices.input_index[vertex]));
+    for (const Attribute &attribute : slab.vertices.attributes)
+      words.push_back(std::bit_cast<Word>(attribute.values[vertex]));
+  }
+  return words;
+}
+
+void append_record(PointTable &table, const Word *record) {
+  table.input_index.push_back(std::bit_cast<GlobalIndex>(*record++));
+  for (Attribute &attribute : table.attributes)
+    attribute.values.push_back(std::bit_cast<double>(*record++));
+}
+
+} // namespace
+
+void complete_ghosts(const Communicator &comm, const Owners &owners, DistributedMesh &mesh) {
+  const std::vector<GlobalIndex> numbers = ghosts_of(mesh);
+  const auto asked = sparse_exchange<GlobalIndex>(comm, address(owners, numbers));
+
+  std::vector<std::vector<Word>> replies;
+  for (const Incoming<GlobalIndex> &letter : asked)
+    replies.push_back(records_of(mesh, letter.data));
+  std::vector<Outgoing<Word>> letters;
+  for (std::size_t l = 0; l < asked.size(); ++l)
+    letters.push_back({asked[l].rank, replies[l]});
+  std::vector<Word> records; // in the order of `numbers`, since answers come by ascending rank
+  for (const Incoming<Word> &letter : sparse_exchange<Word>(comm, letters))
+    records.insert(records.end(), letter.data.begin(), letter.data.end());
+
+  for (SlabMesh &slab : mesh.slabs) {
+    const std::size_t width = 1 + slab.vertices.attributes.size();
+    for (const GlobalIndex ghost : slab.ghost_number) {
+      const auto position = std::ranges::lower_bound(numbers, ghost) - numbers.begin();
+      append_record(slab.vertices, &records[static_cast<std::size_t>(position) * width]);
+    }
+  }
+}
+
+} // namespace dovetail::stitching
