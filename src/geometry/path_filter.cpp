@@ -55,6 +55,7 @@ PathFilter::PathFilter(std::span<const PathSite> approximate, SplitLine line)
     for (std::size_t k = from; k <= to; ++k)
       band_reach_[k] = std::max(band_reach_[k], reach);
     reach_ = std::max(reach_, reach);
+    pair_reach_.push_back(reach);
     from = to;
   }
   // Beyond the ends everything passes; the two bands that hold the ends leave it to the second look.
@@ -77,6 +78,18 @@ void PathFilter::choose_bands() {
   const auto bits = static_cast<int>(std::bit_width(4 * size / static_cast<std::size_t>(octaves)));
   shift_ = 52 - bits;
   half_ = static_cast<std::size_t>(octaves) << bits;
+}
+
+PathFilter::Interval PathFilter::quiet_interval(double distance) const {
+  if (position_.size() < 2)
+    return {0, 0};
+  const std::size_t middle = position_.size() / 2;
+  std::size_t low = middle, high = middle;
+  while (low > 0 && pair_reach_[low - 1] < distance)
+    --low;
+  while (high < pair_reach_.size() && pair_reach_[high] < distance)
+    ++high;
+  return {position_[low], position_[high]};
 }
 
 bool PathFilter::is_within_reach(double position, double distance) const {

@@ -66,6 +66,14 @@ public:
   /// No site between the ends of the approximate path and farther from the line than this is let through.
   double reach() const { return reach_; }
 
+  /// Positions strictly between `low` and `high` along the line: an interval about the middle of the path in
+  /// which nothing at this distance or farther is let through. May be empty. O(approximate path).
+  struct Interval {
+    double low;
+    double high;
+  };
+  Interval quiet_interval(double distance) const;
+
 private:
   bool is_within_reach(double position, double distance) const;
 
@@ -89,6 +97,7 @@ private:
   std::vector<double> band_reach_; ///< the largest reach of the pairs of path sites that meet the band
   std::vector<double> position_;   ///< of the path sites, along the line
   std::vector<double> distance_;   ///< of the path sites from the line
+  std::vector<double> pair_reach_; ///< of each path site and the next
 };
 
 } // namespace dovetail
