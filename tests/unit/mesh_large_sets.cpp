@@ -1,0 +1,129 @@
+/// Sets too large for brute force: the validator, the checksum under shuffles, and CGAL as an independent
+/// peer.
+#include "dovetail/geometry/distributions.hpp"
+#include "dovetail/mesh/checksum.hpp"
+#include "dovetail/mesh/divide_and_conquer.hpp"
+#include "dovetail/mesh/validate.hpp"
+
+#ifdef DOVETAIL_TEST_CGAL
+#include <CGAL/Delaunay_triangulation_2.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#endif
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <random>
+
+namespace dovetail {
+namespace {
+
+std::vector<Point> distinct_sites(Distribution distribution, GlobalIndex n) {
+  std::vector<Point> sites(static_cast<std::size_t>(n));
+  generate_points({distribution, n, 3}, 0, sites);
+  std::ranges::sort(sites, lexicographically_less);
+  sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
+  std::mt19937_64 random(1);
+  std::ranges::shuffle(sites, random);
+  return sites;
+}
+
+std::uint64_t checksum_of(const std::vector<Point> &sites, const Triangulation &mesh) {
+  return checksum_of_sites(sites) + checksum_of_triangles(sites, mesh.corners);
+}
+
+std::string first_fault(const FaultReport &report) {
+  return report.valid()
+             ? ""
+             : std::string(name_of(report.first_faults[0].kind)) + ": " + report.first_faults[0].text;
+}
+
+class LargeSets : public ::testing::TestWithParam<Distribution> {};
+
+TEST_P(LargeSets, ValidAndBlindToOrder) {
+  const GlobalIndex n = GetParam() == Distribution::circle ? 5'000 : 60'000;
+  std::vector<Point> sites = distinct_sites(GetParam(), n);
+  const Triangulation mesh = delaunay(sites);
+  const FaultReport report = validate(sites, mesh);
+  EXPECT_TRUE(report.valid()) << first_fault(report);
+  const std::uint64_t checksum = checksum_of(sites, mesh);
+  std::ranges::sort(sites, lexicographically_less);
+  EXPECT_EQ(checksum_of(sites, delaunay(sites)), checksum);
+  std::ranges::reverse(sites);
+  EXPECT_EQ(checksum_of(sites, delaunay(sites)), checksum);
+}
+
+#ifdef DOVETAIL_TEST_CGAL
+class UnambiguousSets : public ::testing::TestWithParam<Distribution> {};
+
+TEST_P(UnambiguousSets, SameTrianglesAsCgal) {
+  using Peer = CGAL::Delaunay_triangulation_2<CGAL::Exact_predicates_inexact_constructions_kernel>;
+  const std::vector<Point> sites =
+      distinct_sites(GetParam(), GetParam() == Distribution::circle ? 5'000 : 100'000);
+  const Triangulation mesh = delaunay(sites);
+  Peer peer;
+  std::vector<Peer::Point> points;
+  for (const Point &site : sites)
+    points.emplace_back(site.x, site.y);
+  peer.insert(points.begin(), points.end());
+  ASSERT_EQ(peer.number_of_faces(), static_cast<std::size_t>(mesh.triangle_count()));
+  std::uint64_t checksum = checksum_of_sites(sites);
+  for (auto face = peer.finite_faces_begin(); face != peer.finite_faces_end(); ++face) {
+    std::array<Point, 3> corners;
+    for (int i = 0; i < 3; ++i)
+      corners[static_cast<std::size_t>(i)] = {face->vertex(i)->point().x(), face->vertex(i)->point().y()};
+    checksum += checksum_of_triangles(corners, std::array<LocalIndex, 3>{0, 1, 2});
+  }
+  EXPECT_EQ(checksum_of(sites, mesh), checksum);
+}
+// Not lattice and lidar: their sites are cocircular, and CGAL breaks ties by another rule.
+INSTANTIATE_TEST_SUITE_P(Mesh, UnambiguousSets,
+                         ::testing::Values(Distribution::uniform, Distribution::normal, Distribution::kuzmin,
+                                           Distribution::line, Distribution::circle, Distribution::clusters),
+                         [](const auto &distribution) {
+                           return std::string(distribution_name(distribution.param));
+                         });
+#endif
+
+INSTANTIATE_TEST_SUITE_P(Mesh, LargeSets, ::testing::ValuesIn(all_distributions),
+                         [](const auto &distribution) {
+                           return std::string(distribution_name(distribution.param));
+                         });
+
+/// What a kernel must survive and small sets cannot show: many cuts through ties, and extreme shapes.
+TEST(LargeAdversaries, Valid) {
+  const auto check = [](const char *what, std::vector<Point> sites) {
+    std::ranges::sort(sites, lexicographically_less);
+    sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
+    std::mt19937_64 random(2);
+    std::ranges::shuffle(sites, random);
+    const FaultReport report = validate(sites, delaunay(sites));
+    EXPECT_TRUE(report.valid()) << what << ": " << first_fault(report);
+  };
+  std::mt19937_64 random(9);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::vector<Point> decimal, vertical, cross, ulps, far, steep, scales;
+  for (int i = 0; i < 8'000; ++i) {
+    const double u = uniform(random);
+    const double v = uniform(random);
+    decimal.push_back({0.1 * (i % 90), 0.1 * (i / 90)});
+    vertical.push_back({0.25, u});
+    cross.push_back(i % 2 == 0 ? Point{0, u - 0.5} : Point{v - 0.5, 0});
+    ulps.push_back({1 + 0x1p-52 * std::floor(100 * u), 1 + 0x1p-52 * std::floor(100 * v)});
+    far.push_back(i == 0 ? Point{1e300, -1e300} : Point{u, v});
+    steep.push_back({u, 1e-9 * v});
+    scales.push_back({std::ldexp(u, -i % 900), std::ldexp(v, -i % 700)});
+  }
+  vertical.push_back({0.5, 0.5});
+  check("decimal lattice", decimal);
+  check("all but one on a vertical", vertical);
+  check("cross", cross);
+  check("one ulp apart", ulps);
+  check("one far site", far);
+  check("flat", steep);
+  check("all scales", scales);
+}
+
+} // namespace
+} // namespace dovetail
