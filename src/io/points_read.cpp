@@ -78,8 +78,7 @@ public:
 
   void append(const PointFile &file, GlobalIndex record, GlobalIndex first_index, double x, double y,
               double z) {
-    // The sum is finite if all three are, but may overflow: then look again.
-    if (!std::isfinite(x + y + z) && !(std::isfinite(x) && std::isfinite(y) && std::isfinite(z)))
+    if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z))
       refuse_coordinate(file, record, {x, y, z});
     table_.points.push_back({x + 0.0, y + 0.0}); // makes -0.0 to 0.0
     table_.input_index.push_back(first_index + record);
