@@ -64,15 +64,45 @@ template <std::size_t Words> Sign orientation_of(const Integers<Words, 4> &d) {
   return (d[0] * d[3] - d[1] * d[2]).sign();
 }
 
-/// d = {ax, ay, bx, by, cx, cy}
-template <std::size_t Words> Sign in_circle_of(const Integers<Words, 6> &d) {
+enum class Corner { a, b, c, d };
+
+Corner lexicographically_largest(Point a, Point b, Point c, Point d) {
+  Corner corner = Corner::d;
+  Point largest = d;
+  const auto consider = [&](Point p, Corner candidate) {
+    if (lexicographically_less(largest, p)) {
+      largest = p;
+      corner = candidate;
+    }
+  };
+  consider(a, Corner::a);
+  consider(b, Corner::b);
+  consider(c, Corner::c);
+  return corner;
+}
+
+/// v = {ax, ay, bx, by, cx, cy} relative to d. Where the determinant is zero its derivative in the height of
+/// the largest site decides: for d that is minus the orientation of a, b, c, and for a corner its minor,
+/// which is the orientation with d in that corner's place.
+template <std::size_t Words> Sign in_circle_of(const Integers<Words, 6> &v, Corner largest) {
   if constexpr (Words == 2)
-    if (fit_one_word(d))
-      return in_circle_of(first_words(d));
-  const auto &[ax, ay, bx, by, cx, cy] = d;
-  return ((ax * ax + ay * ay) * (bx * cy - by * cx) + (bx * bx + by * by) * (cx * ay - cy * ax) +
-          (cx * cx + cy * cy) * (ax * by - ay * bx))
-      .sign();
+    if (fit_one_word(v))
+      return in_circle_of(first_words(v), largest);
+  const auto &[ax, ay, bx, by, cx, cy] = v;
+  const auto bc = bx * cy - by * cx, ca = cx * ay - cy * ax, ab = ax * by - ay * bx;
+  const Sign sign = ((ax * ax + ay * ay) * bc + (bx * bx + by * by) * ca + (cx * cx + cy * cy) * ab).sign();
+  if (sign != Sign::zero)
+    return sign;
+  switch (largest) {
+  case Corner::a:
+    return bc.sign();
+  case Corner::b:
+    return ca.sign();
+  case Corner::c:
+    return ab.sign();
+  default:
+    return Sign::negative;
+  }
 }
 
 /// d = {B, C, Xb, Xc, across a - m, across b - m, across c - m} as in filter::hull_turn
@@ -82,19 +112,6 @@ template <std::size_t Words> Sign hull_turn_of(const Integers<Words, 7> &d) {
       return hull_turn_of(first_words(d));
   const auto &[B, C, Xb, Xc, from_a, from_b, from_c] = d;
   return (B * (C * C + Xc * (from_c + from_a)) - C * (B * B + Xb * (from_b + from_a))).sign();
-}
-
-/// The site of largest lexicographic rank dominates the perturbation of the lifted heights. Raising d takes
-/// it out of the circle; raising a, b or c takes the circle's plane up on the side of that corner, and d lies
-/// on that side exactly if it can take the corner's place.
-Sign in_circle_tie(Point a, Point b, Point c, Point d) {
-  Point largest = d;
-  for (const Point p : {a, b, c})
-    if (lexicographically_less(largest, p))
-      largest = p;
-  if (largest == d)
-    return Sign::negative;
-  return exact::orientation(largest == a ? d : a, largest == b ? d : b, largest == c ? d : c);
 }
 
 } // namespace
@@ -107,12 +124,12 @@ Sign orientation(Point a, Point b, Point c) {
 }
 
 Sign in_circle(Point a, Point b, Point c, Point d) {
-  const auto evaluate = []<std::size_t Words>(const Integers<Words, 8> &v) {
-    return in_circle_of<Words>(
-        {v[0] - v[6], v[1] - v[7], v[2] - v[6], v[3] - v[7], v[4] - v[6], v[5] - v[7]});
+  const Corner largest = lexicographically_largest(a, b, c, d);
+  const auto evaluate = [largest]<std::size_t Words>(const Integers<Words, 8> &v) {
+    return in_circle_of<Words>({v[0] - v[6], v[1] - v[7], v[2] - v[6], v[3] - v[7], v[4] - v[6], v[5] - v[7]},
+                               largest);
   };
-  const Sign sign = with_integers<8>({a.x, a.y, b.x, b.y, c.x, c.y, d.x, d.y}, evaluate);
-  return sign != Sign::zero ? sign : in_circle_tie(a, b, c, d);
+  return with_integers<8>({a.x, a.y, b.x, b.y, c.x, c.y, d.x, d.y}, evaluate);
 }
 
 Sign hull_turn_unperturbed(Point a, Point b, Point c, SplitLine line) {

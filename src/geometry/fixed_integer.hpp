@@ -68,8 +68,9 @@ FixedInteger<N + M> operator*(const FixedInteger<N> &a, const FixedInteger<M> &b
     return product;
   }
   for (std::size_t i = 0; i < N; ++i) {
-    if (a.words[i] == 0) // the gaps between mantissas far apart
-      continue;
+    if constexpr (N > 2)
+      if (a.words[i] == 0) // the gaps between mantissas far apart
+        continue;
     std::uint64_t carry = 0;
     for (std::size_t j = 0; j < M; ++j) {
       const UInt128 term = static_cast<UInt128>(a.words[i]) * b.words[j] + product.words[i + j] + carry;
@@ -110,8 +111,12 @@ template <std::size_t Words> FixedInteger<Words> aligned(Scaled value, int unit)
   FixedInteger<Words> result;
   if (value.mantissa == 0)
     return result;
-  const auto magnitude = static_cast<std::uint64_t>(value.mantissa < 0 ? -value.mantissa : value.mantissa);
   const auto shift = static_cast<std::size_t>(value.exponent - unit);
+  if constexpr (Words == 1) {
+    result.words[0] = static_cast<std::uint64_t>(value.mantissa) << shift;
+    return result;
+  }
+  const auto magnitude = static_cast<std::uint64_t>(value.mantissa < 0 ? -value.mantissa : value.mantissa);
   const UInt128 shifted = static_cast<UInt128>(magnitude) << (shift % 64);
   result.words[shift / 64] = static_cast<std::uint64_t>(shifted);
   if (shift / 64 + 1 < Words)

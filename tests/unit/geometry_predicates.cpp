@@ -200,6 +200,10 @@ void check_lines(const Case &given, const std::vector<mpz_class> &z, Axis axis, 
   ASSERT_EQ(exact::hull_turn(a, b, c, line), turn) << given;
   ASSERT_EQ(hull_turn_unperturbed(a, b, c, line), plain) << given;
   ASSERT_EQ(exact::hull_turn_unperturbed(a, b, c, line), plain) << given;
+  const mpz_class of_a = abs(A.x - z[8]), of_b = abs(B.x - z[8]);
+  const bool a_is_nearer = of_a != of_b ? of_a < of_b : A.x > B.x;
+  ASSERT_EQ(nearer(a, b, line), a_is_nearer) << given;
+  ASSERT_EQ(exact::nearer(a, b, line), a_is_nearer) << given;
   ++checked.turn;
   checked.zeros += plain == Sign::zero;
   if (oracle::orientation(A, B, C) == Sign::zero)
