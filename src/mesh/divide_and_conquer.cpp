@@ -1,74 +1,113 @@
 #include "dovetail/mesh/divide_and_conquer.hpp"
 
+#include "bucket.hpp"
 #include "dovetail/base/error.hpp"
-#include "merge.hpp"
+#include "median_tree.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
 namespace dovetail {
 namespace {
 
-using divide_and_conquer::ghost_vertex;
-using divide_and_conquer::HalfEdge;
-using divide_and_conquer::Hull;
-using divide_and_conquer::less_along;
-using divide_and_conquer::Sphere;
-using divide_and_conquer::Vertex;
+using namespace divide_and_conquer;
 
-struct Numbered {
-  Point point;
-  LocalIndex index;
+constexpr Vertex far_ghost = none;
+constexpr HalfEdge beyond = -3; ///< twin of a hull edge once the ghosts are gone: a third of it is `none`
+constexpr std::size_t bucket_sites = 8192;
+
+/// The sites of the whole where they are in the input.
+struct FarSites {
+  const Point *sites;
+  const LocalIndex *order;
+  Point operator[](Vertex v) const {
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    return v == far_ghost ? Point{nan, nan} : sites[order[v]];
+  }
 };
 
-void cut(std::span<Numbered> sites, unsigned axis) {
-  if (sites.size() <= 3)
-    return;
-  const std::size_t half = sites.size() / 2;
-  std::nth_element(
-      sites.begin(), sites.begin() + static_cast<std::ptrdiff_t>(half), sites.end(),
-      [axis](const Numbered &a, const Numbered &b) { return less_along(a.point, b.point, axis); });
-  cut(sites.first(half), 1 - axis);
-  cut(sites.subspan(half), 1 - axis);
-}
+/// Merges the leaves of the first cuts.
+struct Conquest {
+  const MedianTree &tree;
+  const std::vector<LocalIndex> &start;
+  BucketKernel &buckets;
+  Sphere<FarSites> sphere;
 
-Hull conquer(const Sphere &sphere, Vertex first, Vertex count, unsigned axis) {
-  if (count == 2)
-    return sphere.two_sites(first);
-  if (count == 3)
-    return sphere.three_sites(first);
-  const Vertex half = count / 2;
-  const Hull left = conquer(sphere, first, half, 1 - axis);
-  const Hull right = conquer(sphere, first + half, count - half, 1 - axis);
-  return sphere.merge(left, right, axis, 6 * (first + half) - 6);
-}
+  /// The part of an inner node or leaf, whose leaves begin with `leaf` and number `leaves`; at least two
+  /// sites.
+  Hull conquer(std::size_t node, std::size_t leaf, std::size_t leaves) const {
+    const Vertex first = start[leaf];
+    const Vertex count = start[leaf + leaves] - first;
+    if (leaves == 1)
+      return buckets.triangulate(first, count, far_ghost);
+    const std::size_t middle = leaf + leaves / 2;
+    const Vertex left_count = start[middle] - first;
+    if (left_count == 0)
+      return conquer(2 * node + 1, middle, leaves / 2);
+    if (left_count == count)
+      return conquer(2 * node, leaf, leaves / 2);
+    if (left_count == 1 || left_count == count - 1)
+      return buckets.triangulate(first, count, far_ghost);
+    const Hull left = conquer(2 * node, leaf, leaves / 2);
+    const Hull right = conquer(2 * node + 1, middle, leaves / 2);
+    return sphere.merge(left, right, tree.axis[node], 6 * (first + left_count) - 6);
+  }
+};
 
 /// Drops the ghosts by moving triangles from the end into their places. Returns how many triangles stay.
-LocalIndex drop_ghosts(Vertex *origin, HalfEdge *twin, LocalIndex triangles) {
-  constexpr HalfEdge beyond = none;
-  for (HalfEdge h = 0; h < 3 * triangles; h += 3)
-    if (origin[h + 2] == ghost_vertex && twin[h] != beyond)
-      twin[twin[h]] = beyond;
-  LocalIndex hole = 0;
-  LocalIndex end = triangles;
-  for (;;) {
-    while (hole < end && origin[3 * hole + 2] != ghost_vertex)
-      ++hole;
-    while (hole < end && origin[3 * end - 1] == ghost_vertex)
-      --end;
-    if (hole >= end)
-      return end;
-    --end;
+LocalIndex drop_ghosts(const Sphere<FarSites> &sphere, HalfEdge ghost, LocalIndex triangles) {
+  std::vector<LocalIndex> ghosts;
+  const HalfEdge begin = ghost;
+  do {
+    ghosts.push_back(ghost / 3);
+    ghost = sphere.ghost_after(ghost);
+  } while (ghost != begin);
+  std::ranges::sort(ghosts);
+  for (const LocalIndex t : ghosts)
+    if (sphere.twin[3 * t] != beyond)
+      sphere.twin[sphere.twin[3 * t]] = beyond;
+  const LocalIndex kept = triangles - static_cast<LocalIndex>(ghosts.size());
+  auto last = ghosts.rbegin(); // the greatest ghost not yet met from the end
+  LocalIndex from = triangles - 1;
+  for (const LocalIndex hole : ghosts) {
+    if (hole >= kept)
+      break;
+    for (; *last == from; ++last)
+      --from;
     for (HalfEdge i = 0; i < 3; ++i) {
-      const HalfEdge other = twin[3 * end + i];
-      origin[3 * hole + i] = origin[3 * end + i];
-      twin[3 * hole + i] = other;
+      const HalfEdge other = sphere.twin[3 * from + i];
+      sphere.origin[3 * hole + i] = sphere.origin[3 * from + i];
+      sphere.twin[3 * hole + i] = other;
       if (other != beyond)
-        twin[other] = 3 * hole + i;
+        sphere.twin[other] = 3 * hole + i;
     }
-    origin[3 * end + 2] = ghost_vertex;
+    --from;
   }
+  return kept;
+}
+
+/// From half-edges and cut order to the neighbours and site numbers of a Triangulation, in place.
+void renumber(Triangulation &mesh, std::span<const LocalIndex> order) {
+  LocalIndex *corner = mesh.corners.data();
+  LocalIndex *across = mesh.neighbours.data();
+  const std::size_t size = mesh.corners.size();
+  for (std::size_t h = 0; h < size; ++h)
+    corner[h] = order[static_cast<std::size_t>(corner[h])];
+  for (std::size_t h = 0; h < size; h += 3) {
+    const LocalIndex first = across[h] / 3; // half-edge i leaves corner i: it lies across from corner i + 2
+    across[h] = across[h + 1] / 3;
+    across[h + 1] = across[h + 2] / 3;
+    across[h + 2] = first;
+  }
+}
+
+double guard_for(std::span<const Point> sites) {
+  double greatest = 0;
+  for (const Point &p : sites)
+    greatest = std::max({greatest, std::fabs(p.x), std::fabs(p.y)});
+  return greatest <= greatest_filtered_coordinate ? sight_guard : no_filter;
 }
 
 } // namespace
@@ -81,42 +120,22 @@ Triangulation delaunay(std::span<const Point> sites) {
   if (sites.size() < 3)
     return {};
   const std::size_t n = sites.size();
-  std::vector<Numbered> order(n);
-  for (std::size_t i = 0; i < n; ++i)
-    order[i] = {sites[i], static_cast<LocalIndex>(i)};
-  cut(order, 0);
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  std::vector<Point> points(n + 1);
-  points[0] = {nan, nan};
-  double greatest = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    points[i + 1] = order[i].point;
-    greatest = std::max({greatest, std::fabs(order[i].point.x), std::fabs(order[i].point.y)});
-  }
-
-  Triangulation result;
-  result.corners.resize(6 * n - 6);
-  result.neighbours.resize(6 * n - 6);
-  auto *origin = result.corners.data();
-  auto *twin = result.neighbours.data();
-  const double guard = greatest <= divide_and_conquer::greatest_filtered_coordinate
-                           ? divide_and_conquer::sight_guard
-                           : divide_and_conquer::no_filter;
-  conquer({points.data() + 1, origin, twin, guard}, 0, static_cast<Vertex>(n), 0);
-  const LocalIndex triangles = drop_ghosts(origin, twin, static_cast<LocalIndex>(2 * n - 2));
-  result.corners.resize(3 * static_cast<std::size_t>(triangles));
-  result.neighbours.resize(3 * static_cast<std::size_t>(triangles));
-  for (std::size_t t = 0; t < result.corners.size(); t += 3) {
-    LocalIndex across[3];
-    for (std::size_t i = 0; i < 3; ++i) {
-      result.corners[t + i] = order[static_cast<std::size_t>(result.corners[t + i])].index;
-      across[i] = twin[t + i] == none ? none : twin[t + i] / 3;
-    }
-    result.neighbours[t] = across[1]; // half-edge i leaves corner i: it lies across from corner i + 2
-    result.neighbours[t + 1] = across[2];
-    result.neighbours[t + 2] = across[0];
-  }
-  return result;
+  Triangulation mesh;
+  mesh.corners.resize(6 * n - 6);
+  mesh.neighbours.resize(6 * n - 6);
+  std::vector<LocalIndex> order(n);
+  const MedianTree tree = median_tree(sites, static_cast<unsigned>(std::bit_width(n / bucket_sites)));
+  const std::vector<LocalIndex> start = sort_into_leaves(tree, sites, order, mesh.corners);
+  const double guard = guard_for(sites);
+  BucketKernel buckets(sites, order, mesh.corners.data(), mesh.neighbours.data(), guard);
+  const Sphere<FarSites> sphere{
+      {sites.data(), order.data()}, mesh.corners.data(), mesh.neighbours.data(), far_ghost, guard};
+  const Hull hull = Conquest{tree, start, buckets, sphere}.conquer(1, 0, tree.leaves());
+  const LocalIndex triangles = drop_ghosts(sphere, hull.first[0], static_cast<LocalIndex>(2 * n - 2));
+  mesh.corners.resize(3 * static_cast<std::size_t>(triangles));
+  mesh.neighbours.resize(3 * static_cast<std::size_t>(triangles));
+  renumber(mesh, order);
+  return mesh;
 }
 
 } // namespace dovetail

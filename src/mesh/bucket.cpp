@@ -1,0 +1,245 @@
+#include "bucket.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+namespace dovetail::divide_and_conquer {
+namespace {
+
+constexpr Vertex few = 16;          ///< parts up to this size are cut by ranks
+constexpr std::size_t per_cell = 4; ///< sites a cell of the grid, at least
+
+/// Where to cut a small part: into pieces of four, as far as that goes, and never off a single site.
+constexpr Vertex half_of(Vertex count) {
+  const Vertex half = (count / 2 + 2) / 4 * 4;
+  return count <= 5 ? count / 2 : count - half < 2 ? half - 2 : half;
+}
+
+/// Maps [low, low + width] monotonically to [0, limit): a scale of zero where floating point could not.
+double scale_of(double low, double high, double limit) {
+  const double scale = limit / (high - low) * (1 - 0x1p-40);
+  return scale < 0x1p1000 ? scale : 0.0;
+}
+
+} // namespace
+
+Hull BucketKernel::triangulate(Vertex first, Vertex count, Vertex far_ghost) {
+  first_ = first;
+  count_ = count;
+  gather();
+  const auto offset = static_cast<std::uintptr_t>(first) * sizeof(Point);
+  sphere_ = {{reinterpret_cast<const Point *>(reinterpret_cast<std::uintptr_t>(points_.data()) - offset)},
+             origin_,
+             twin_,
+             first + count,
+             guard_};
+  sort_into_cells();
+  const Hull hull = conquer_cells(0, 0);
+  HalfEdge ghost = hull.first[0];
+  do {
+    origin_[ghost + 2] = far_ghost;
+    ghost = sphere_.ghost_after(ghost);
+  } while (ghost != hull.first[0]);
+  return hull;
+}
+
+void BucketKernel::gather() {
+  const auto n = static_cast<std::size_t>(count_);
+  if (points_.size() < n + 1) {
+    points_.resize(n + 1);
+    scratch_.resize(n);
+    key_.resize(n);
+  }
+  low_ = high_ = sites_[static_cast<std::size_t>(*index(first_))];
+  for (std::size_t i = 0; i < n; ++i) {
+    const LocalIndex site = index(first_)[i];
+    const Point p = sites_[static_cast<std::size_t>(site)];
+    scratch_[i] = {p, site};
+    low_ = {std::min(low_.x, p.x), std::min(low_.y, p.y)};
+    high_ = {std::max(high_.x, p.x), std::max(high_.y, p.y)};
+  }
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  points_[n] = {nan, nan};
+}
+
+/// A counting sort by the cells of a grid, numbered so that halving a range of cells is a cut across the
+/// longer side. Cells are monotone in each coordinate, so they separate sites strictly.
+void BucketKernel::sort_into_cells() {
+  const auto n = static_cast<std::size_t>(count_);
+  bits_ = n < 2 * per_cell || !fixed_point_is_safe()
+              ? 0
+              : static_cast<unsigned>(std::bit_width(n / per_cell)) - 1;
+  double width = high_.x - low_.x;
+  double height = high_.y - low_.y;
+  axis_of_level_.clear();
+  std::array<unsigned, 2> levels{};
+  for (unsigned level = 0; level < bits_; ++level) {
+    const unsigned axis = height > width ? 1 : 0;
+    (axis == 0 ? width : height) /= 2;
+    axis_of_level_.push_back(axis);
+    ++levels[axis];
+  }
+  // spread[axis][cell along the axis] has the cell's bits where the levels of this axis want them.
+  std::array<std::vector<std::uint32_t>, 2> spread;
+  for (unsigned axis = 0; axis < 2; ++axis) {
+    spread[axis].assign(std::size_t{1} << levels[axis], 0);
+    unsigned bit = levels[axis];
+    for (unsigned level = 0; level < bits_; ++level)
+      if (axis_of_level_[level] == axis) {
+        --bit;
+        for (std::size_t cell = 0; cell < spread[axis].size(); ++cell)
+          spread[axis][cell] |= static_cast<std::uint32_t>(cell >> bit & 1) << (bits_ - 1 - level);
+      }
+  }
+  const double x_scale = scale_of(low_.x, high_.x, static_cast<double>(spread[0].size()));
+  const double y_scale = scale_of(low_.y, high_.y, static_cast<double>(spread[1].size()));
+  const std::size_t cells = std::size_t{1} << bits_;
+  cell_start_.assign(cells + 1, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Point p = scratch_[i].point;
+    const auto x = static_cast<std::uint32_t>(static_cast<std::int32_t>((p.x - low_.x) * x_scale));
+    const auto y = static_cast<std::uint32_t>(static_cast<std::int32_t>((p.y - low_.y) * y_scale));
+    key_[i] = spread[0][x] | spread[1][y];
+    ++cell_start_[key_[i]];
+  }
+  LocalIndex next = first_;
+  for (std::size_t cell = 0; cell <= cells; ++cell) {
+    const LocalIndex here = cell_start_[cell];
+    cell_start_[cell] = next;
+    next += here;
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const LocalIndex to = cell_start_[key_[i]]++;
+    *point(to) = scratch_[i].point;
+    *index(to) = scratch_[i].index;
+  }
+  for (std::size_t cell = cells; cell > 0; --cell)
+    cell_start_[cell] = cell_start_[cell - 1];
+  cell_start_[0] = first_;
+}
+
+/// The 2^(bits - level) cells that begin with `cell`. At least two sites.
+Hull BucketKernel::conquer_cells(std::size_t cell, unsigned level) {
+  const std::size_t cells = std::size_t{1} << (bits_ - level);
+  const Vertex first = cell_start_[cell];
+  const Vertex count = cell_start_[cell + cells] - first;
+  if (count <= few)
+    return conquer_few(first, count);
+  if (level == bits_)
+    return conquer_by_medians(first, count);
+  const Vertex left_count = cell_start_[cell + cells / 2] - first;
+  if (left_count == 0)
+    return conquer_cells(cell + cells / 2, level + 1);
+  if (left_count == count)
+    return conquer_cells(cell, level + 1);
+  if (left_count == 1 || left_count == count - 1)
+    return conquer_by_medians(first, count);
+  const Hull left = conquer_cells(cell, level + 1);
+  const Hull right = conquer_cells(cell + cells / 2, level + 1);
+  return sphere_.merge(left, right, axis_of_level_[level], 6 * (first + left_count) - 6);
+}
+
+Hull BucketKernel::conquer_few(Vertex first, Vertex count) {
+  if (count == 2)
+    return sphere_.two_sites(first);
+  if (count == 3)
+    return sphere_.three_sites(first);
+  Point low = *point(first);
+  Point high = low;
+  for (Vertex v = first + 1; v < first + count; ++v) {
+    const Point p = *point(v);
+    low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+  }
+  const unsigned axis = high.y - low.y > high.x - low.x ? 1 : 0;
+  const Vertex half = half_of(count);
+  if (!sort_by_rank(first, count, half, axis))
+    return conquer_by_medians(first, count);
+  const Hull left = conquer_few(first, half);
+  const Hull right = conquer_few(first + half, count - half);
+  return sphere_.merge(left, right, axis, 6 * (first + half) - 6);
+}
+
+/// Sorts a few sites by a coordinate rounded to 26 bits, without a branch on their values: each goes to the
+/// place that as many others precede. False, with the sites as they were, if the rounding does not separate
+/// the first `half` from the others.
+bool BucketKernel::sort_by_rank(Vertex first, Vertex count, Vertex half, unsigned axis) {
+  constexpr int number_bits = 5;
+  if (!fixed_point_is_safe())
+    return false;
+  const auto n = static_cast<std::size_t>(count);
+  std::array<double, few> coordinate{};
+  std::array<Point, few> points;
+  std::array<LocalIndex, few> indices;
+  for (std::size_t i = 0; i < n; ++i) {
+    points[i] = point(first)[i];
+    indices[i] = index(first)[i];
+    coordinate[i] = axis == 0 ? points[i].x : points[i].y;
+  }
+  double low = coordinate[0];
+  double high = low;
+  for (std::size_t i = 1; i < n; ++i) {
+    low = std::min(low, coordinate[i]);
+    high = std::max(high, coordinate[i]);
+  }
+  const double scale = scale_of(low, high, 0x1p26);
+  std::array<std::int32_t, few> key;
+  std::array<std::int32_t, few> rank{};
+  key.fill(std::numeric_limits<std::int32_t>::max());
+  for (std::size_t i = 0; i < n; ++i)
+    key[i] = (static_cast<std::int32_t>((coordinate[i] - low) * scale) << number_bits) +
+             static_cast<std::int32_t>(i);
+  for (std::size_t j = 0; j < n; ++j)
+    for (std::size_t i = 0; i < few; ++i)
+      rank[i] += key[j] < key[i] ? 1 : 0;
+  std::array<std::int32_t, few> sorted{};
+  for (std::size_t i = 0; i < n; ++i)
+    sorted[static_cast<std::size_t>(rank[i])] = key[i];
+  const auto cut = static_cast<std::size_t>(half);
+  if (sorted[cut - 1] >> number_bits == sorted[cut] >> number_bits)
+    return false;
+  for (std::size_t i = 0; i < n; ++i) {
+    point(first)[rank[i]] = points[i];
+    index(first)[rank[i]] = indices[i];
+  }
+  return true;
+}
+
+/// The way that always works: exact medians, ties by the other coordinate.
+Hull BucketKernel::conquer_by_medians(Vertex first, Vertex count) {
+  std::vector<Numbered> sites(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < sites.size(); ++i)
+    sites[i] = {point(first)[i], index(first)[i]};
+  cut_at_medians(sites, 0);
+  for (std::size_t i = 0; i < sites.size(); ++i) {
+    point(first)[i] = sites[i].point;
+    index(first)[i] = sites[i].index;
+  }
+  return conquer_halves(first, count, 0);
+}
+
+void BucketKernel::cut_at_medians(std::span<Numbered> sites, unsigned axis) {
+  if (sites.size() <= 3)
+    return;
+  const std::size_t half = sites.size() / 2;
+  std::nth_element(
+      sites.begin(), sites.begin() + static_cast<std::ptrdiff_t>(half), sites.end(),
+      [axis](const Numbered &a, const Numbered &b) { return less_along(a.point, b.point, axis); });
+  cut_at_medians(sites.first(half), 1 - axis);
+  cut_at_medians(sites.subspan(half), 1 - axis);
+}
+
+Hull BucketKernel::conquer_halves(Vertex first, Vertex count, unsigned axis) {
+  if (count == 2)
+    return sphere_.two_sites(first);
+  if (count == 3)
+    return sphere_.three_sites(first);
+  const Vertex half = count / 2;
+  const Hull left = conquer_halves(first, half, 1 - axis);
+  const Hull right = conquer_halves(first + half, count - half, 1 - axis);
+  return sphere_.merge(left, right, axis, 6 * (first + half) - 6);
+}
+
+} // namespace dovetail::divide_and_conquer

@@ -1,0 +1,69 @@
+/// Triangulates the sites of one leaf of the first cuts, a few thousand, near each other in memory. Private
+/// to divide and conquer.
+#pragma once
+
+#include "merge.hpp"
+
+#include <span>
+#include <vector>
+
+namespace dovetail::divide_and_conquer {
+
+/// Coordinates of a bucket under the vertex numbers of the whole. One more, the last, is the point at
+/// infinity.
+struct NearSites {
+  const Point *origin; ///< where vertex 0 would be
+  const Point &operator[](Vertex v) const { return origin[v]; }
+};
+
+/// Works on one bucket after another in the same memory.
+class BucketKernel {
+public:
+  BucketKernel(std::span<const Point> sites, std::span<LocalIndex> order, Vertex *origin, HalfEdge *twin,
+               double guard)
+      : sites_(sites), order_(order), origin_(origin), twin_(twin), guard_(guard) {}
+
+  /// Triangulates the sites order[first] .. order[first + count - 1], which it puts into an order of its own;
+  /// count >= 2. Their point at infinity is `far_ghost` afterwards.
+  Hull triangulate(Vertex first, Vertex count, Vertex far_ghost);
+
+private:
+  struct Numbered {
+    Point point;
+    LocalIndex index;
+  };
+
+  /// Differences of coordinates do not overflow.
+  bool fixed_point_is_safe() const { return guard_ < no_filter; }
+  void gather();
+  void sort_into_cells();
+  Hull conquer_cells(std::size_t cell, unsigned level);
+  Hull conquer_few(Vertex first, Vertex count);
+  bool sort_by_rank(Vertex first, Vertex count, Vertex half, unsigned axis);
+  Hull conquer_by_medians(Vertex first, Vertex count);
+  void cut_at_medians(std::span<Numbered> sites, unsigned axis);
+  Hull conquer_halves(Vertex first, Vertex count, unsigned axis);
+
+  Point *point(Vertex v) { return points_.data() + (v - first_); }
+  LocalIndex *index(Vertex v) { return order_.data() + v; }
+
+  std::span<const Point> sites_;
+  std::span<LocalIndex> order_;
+  Vertex *origin_;
+  HalfEdge *twin_;
+  double guard_;
+
+  Vertex first_ = 0;
+  Vertex count_ = 0;
+  Sphere<NearSites> sphere_{};
+  Point low_{};
+  Point high_{};
+  std::vector<Point> points_;           ///< of the bucket, in cut order, and the point at infinity
+  std::vector<Numbered> scratch_;       ///< the bucket before it is sorted
+  std::vector<std::uint32_t> key_;      ///< cells of the sites before they are sorted
+  std::vector<LocalIndex> cell_start_;  ///< first vertex of each cell, and the end
+  unsigned bits_ = 0;                   ///< there are 2^bits cells
+  std::vector<unsigned> axis_of_level_; ///< of the cuts between cells
+};
+
+} // namespace dovetail::divide_and_conquer
