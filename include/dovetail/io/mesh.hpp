@@ -35,9 +35,10 @@ struct MeshWriting {
 
 /// Collective. Writes aside, to `path`.partial, and renames that once it is complete: whatever happens,
 /// nothing incomplete is ever found at `path`, and after an error the partial file is gone.
-/// Every rank writes its own slabs, in bounded memory; the first one also what is small.
-/// Errors (output, resource): no such folder, no permission, not enough space, file size limit, a failing
-/// disk, attribute names that a file cannot hold.
+/// Every rank writes its own slabs, in bounded memory; the first one also what is small. The space is
+/// reserved before it is filled, where the file system can do that. Errors (output, resource): no such
+/// folder, no permission, not enough space, file size limit, a failing disk, attribute names that a file
+/// cannot hold.
 void write_mesh(const Communicator &comm, const DistributedMesh &mesh, const std::string &path,
                 const MeshWriting &writing = {});
 

@@ -1,0 +1,275 @@
+// Reading a mesh. Every rank opens the file for itself and reads its slabs' rows: no collective call, so
+// whatever a broken file does to HDF5, it does on one rank, which tells the others afterwards.
+#include "dovetail/io/mesh.hpp"
+
+#include "vtkhdf_header.hpp"
+
+#include "dovetail/comm/agreement.hpp"
+#include "dovetail/comm/collectives.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace dovetail {
+namespace {
+
+using hdf5::Column;
+using vtkhdf::Extents;
+using vtkhdf::Header;
+using vtkhdf::Reader;
+
+constexpr std::int64_t buffer_bytes = std::int64_t{8} << 20;
+
+template <class T> std::size_t at(T index) { return static_cast<std::size_t>(index); }
+
+/// Collective: `work` on every rank, and what HDF5 reports, as an Error about `path`.
+template <class Work> auto collectively_on(const Communicator &comm, const std::string &path, Work &&work) {
+  return collectively(comm, [&] {
+    const hdf5::Quiet quiet;
+    try {
+      return work();
+    } catch (const hdf5::Failure &failure) {
+      throw Error({ErrorKind::input, path, failure.place(), failure.what(), "make the mesh again"});
+    }
+  });
+}
+
+/// All long columns of a file, opened and found to have their full length.
+struct Columns {
+  Column points, ghost_type, input_index, global_number;
+  std::vector<Column> attributes; ///< without z
+  Column connectivity, offsets, types, neighbours;
+  Column paths, duplicates, duplicate_z;
+};
+
+Columns open_columns(const Reader &reader, const Header &header) {
+  const Extents &extents = header.extents;
+  const GlobalIndex vertices = extents.vertices.back();
+  const GlobalIndex triangles = extents.triangles.back();
+  Columns columns;
+  columns.points = reader.column<double>(vtkhdf::points, vertices, 3);
+  columns.ghost_type = reader.column<std::uint8_t>(vtkhdf::ghost_type, vertices);
+  columns.input_index = reader.column<std::int64_t>(vtkhdf::input_index, vertices);
+  columns.global_number = reader.column<std::int64_t>(vtkhdf::global_number, vertices);
+  for (const std::string &name : header.attribute_names)
+    if (name != vtkhdf::z_attribute)
+      columns.attributes.push_back(reader.column<double>(vtkhdf::dataset_of_attribute(name), vertices));
+  columns.connectivity = reader.column<std::int32_t>(vtkhdf::connectivity, 3 * triangles);
+  columns.offsets = reader.column<std::int32_t>(vtkhdf::offsets, triangles + extents.slabs());
+  columns.types = reader.column<std::uint8_t>(vtkhdf::types, triangles);
+  columns.neighbours = reader.column<std::int64_t>(vtkhdf::neighbours, triangles, 3);
+  columns.paths = reader.column<std::int64_t>(vtkhdf::paths, extents.paths.back());
+  columns.duplicates = reader.column<std::int64_t>(vtkhdf::duplicates, extents.duplicates.back(), 2);
+  if (header.has_z())
+    columns.duplicate_z = reader.column<double>(vtkhdf::duplicate_z, extents.duplicates.back());
+  return columns;
+}
+
+/// Rows first .. first + count - 1 of a column of single numbers.
+template <class T> std::vector<T> rows(const Column &column, GlobalIndex first, GlobalIndex count) {
+  std::vector<T> values(at(count));
+  const std::int64_t step = hdf5::rows_within<T>(buffer_bytes, 1);
+  for (std::int64_t begin = 0; begin < count; begin += step)
+    hdf5::read_rows(column, hdf5::NumberType<T>::native(), first + begin, std::min(step, count - begin),
+                    values.data() + begin);
+  return values;
+}
+
+/// Reads the slabs of one file, one after another.
+class SlabReader {
+public:
+  SlabReader(const Reader &reader, const Header &header)
+      : reader_(reader), header_(header), columns_(open_columns(reader, header)) {}
+
+  SlabMesh read(int s) const {
+    const Extents &extents = header_.extents;
+    SlabMesh slab;
+    slab.own_count = static_cast<LocalIndex>(extents.sites[at(s) + 1] - extents.sites[at(s)]);
+    slab.first_site = extents.sites[at(s)];
+    slab.first_triangle = extents.triangles[at(s)];
+    read_vertices(s, slab);
+    read_triangles(s, slab);
+    const GlobalIndex first = extents.paths[at(s)];
+    slab.left_path = rows<GlobalIndex>(columns_.paths, first, extents.paths[at(s) + 1] - first);
+    return slab;
+  }
+
+  std::vector<Duplicate> read_duplicates(int first_slab, int end_slab) const {
+    const GlobalIndex first = header_.extents.duplicates[at(first_slab)];
+    const GlobalIndex count = header_.extents.duplicates[at(end_slab)] - first;
+    std::vector<Duplicate> result(at(count));
+    hdf5::read_in_pieces<std::int64_t>(columns_.duplicates, first, count, buffer_bytes,
+                                       [&](auto begin, auto end, const std::int64_t *in) {
+                                         for (auto d = begin; d < end; ++d, in += 2)
+                                           result[at(d)] = {in[0], in[1]};
+                                       });
+    if (header_.has_z())
+      hdf5::read_in_pieces<double>(columns_.duplicate_z, first, count, buffer_bytes,
+                                   [&](auto begin, auto end, const double *in) {
+                                     for (auto d = begin; d < end; ++d)
+                                       result[at(d)].z = *in++;
+                                   });
+    return result;
+  }
+
+private:
+  /// Reads a column that holds nothing new, and refuses the file where it is not what it must be.
+  template <class T, class Expected>
+  void expect(const Column &column, GlobalIndex first, GlobalIndex count, Expected &&expected) const {
+    hdf5::read_in_pieces<T>(column, first, count, buffer_bytes, [&](auto begin, auto end, const T *in) {
+      for (auto row = begin; row < end; ++row, ++in)
+        if (*in != expected(row))
+          reader_.refuse(fmt::format("{}, row {}", column.name, first + row),
+                         fmt::format("is {} where {} must be", *in, expected(row)));
+    });
+  }
+
+  void read_vertices(int s, SlabMesh &slab) const {
+    const GlobalIndex first = header_.extents.vertices[at(s)];
+    const GlobalIndex count = header_.extents.vertices[at(s) + 1] - first;
+    PointTable &table = slab.vertices;
+    table.points.resize(at(count));
+    auto column = columns_.attributes.begin();
+    double *z = nullptr;
+    for (const std::string &name : header_.attribute_names) {
+      const bool is_z = name == vtkhdf::z_attribute;
+      table.attributes.push_back(
+          {name, is_z ? std::vector<double>(at(count)) : rows<double>(*column++, first, count)});
+      if (is_z)
+        z = table.attributes.back().values.data(); // a vector keeps its place when it is moved
+    }
+    hdf5::read_in_pieces<double>(columns_.points, first, count, buffer_bytes,
+                                 [&](auto begin, auto end, const double *in) {
+                                   for (auto v = begin; v < end; ++v, in += 3) {
+                                     table.points[at(v)] = {in[0], in[1]};
+                                     if (z != nullptr)
+                                       z[v] = in[2];
+                                   }
+                                 });
+    table.input_index = rows<GlobalIndex>(columns_.input_index, first, count);
+    expect<std::uint8_t>(columns_.ghost_type, first, count, [&](auto v) {
+      return v < slab.own_count ? std::uint8_t{0} : vtkhdf::duplicate_point;
+    });
+    expect<std::int64_t>(columns_.global_number, first, slab.own_count,
+                         [&](auto v) { return slab.first_site + v; });
+    slab.ghost_number =
+        rows<GlobalIndex>(columns_.global_number, first + slab.own_count, count - slab.own_count);
+  }
+
+  void read_triangles(int s, SlabMesh &slab) const {
+    const GlobalIndex first = header_.extents.triangles[at(s)];
+    const GlobalIndex count = header_.extents.triangles[at(s) + 1] - first;
+    slab.triangles.corners = rows<LocalIndex>(columns_.connectivity, 3 * first, 3 * count);
+    slab.triangles.neighbours.resize(at(3 * count));
+    hdf5::read_in_pieces<std::int64_t>(
+        columns_.neighbours, first, count, buffer_bytes, [&](auto begin, auto end, const std::int64_t *in) {
+          for (auto side = 3 * begin; side < 3 * end; ++side) {
+            const GlobalIndex number = *in++;
+            const bool inside = number >= first && number < first + count;
+            slab.triangles.neighbours[at(side)] = inside ? static_cast<LocalIndex>(number - first) : none;
+            if (!inside && number != none)
+              slab.border_sides.push_back({static_cast<LocalIndex>(side), number});
+          }
+        });
+    expect<std::int32_t>(columns_.offsets, header_.extents.first_offset(s), count + 1,
+                         [](auto t) { return static_cast<std::int32_t>(3 * t); });
+    expect<std::uint8_t>(columns_.types, first, count, [](auto) { return vtkhdf::triangle_cell; });
+  }
+
+  const Reader &reader_;
+  const Header &header_;
+  Columns columns_;
+};
+
+/// Local.
+DistributedMesh read_slabs(const std::string &path, int rank, int ranks) {
+  const Reader reader(path);
+  const Header header = reader.read_header();
+  const int slabs = header.extents.slabs();
+  DistributedMesh mesh;
+  mesh.axis = header.axis;
+  mesh.site_offsets = header.extents.sites;
+  mesh.triangle_offsets = header.extents.triangles;
+  mesh.lines = header.lines;
+  mesh.hull_edges = header.hull_edges;
+  mesh.checksum = header.checksum;
+  mesh.digest = header.digest;
+  mesh.coordinate_system = header.coordinate_system;
+  mesh.first_slab = first_slab_of_rank(slabs, rank, ranks);
+  const int end = first_slab_of_rank(slabs, rank + 1, ranks);
+  const SlabReader slab_reader(reader, header);
+  for (int s = mesh.first_slab; s < end; ++s)
+    mesh.slabs.push_back(slab_reader.read(s));
+  mesh.duplicates = slab_reader.read_duplicates(mesh.first_slab, end);
+  return mesh;
+}
+
+/// Smallest and largest coordinates, as a rank has seen them.
+struct Box {
+  double low_x = std::numeric_limits<double>::infinity(), low_y = low_x;
+  double high_x = -low_x, high_y = -low_x;
+};
+
+/// Local: of this rank's share of all vertices.
+Box read_box(const Reader &reader, const Header &header, int rank, int ranks) {
+  const GlobalIndex rows = header.extents.vertices.back();
+  const Column column = reader.column<double>(vtkhdf::points, rows, 3);
+  const GlobalIndex share = rows / ranks + 1;
+  const GlobalIndex first = std::min(rows, share * rank);
+  Box box;
+  hdf5::read_in_pieces<double>(column, first, std::min(rows, first + share) - first, buffer_bytes,
+                               [&](auto begin, auto end, const double *in) {
+                                 for (auto v = begin; v < end; ++v, in += 3) {
+                                   box.low_x = std::min(box.low_x, in[0]);
+                                   box.low_y = std::min(box.low_y, in[1]);
+                                   box.high_x = std::max(box.high_x, in[0]);
+                                   box.high_y = std::max(box.high_y, in[1]);
+                                 }
+                               });
+  return box;
+}
+
+} // namespace
+
+DistributedMesh read_mesh(const Communicator &comm, const std::string &path) {
+  return collectively_on(comm, path, [&] { return read_slabs(path, comm.rank(), comm.size()); });
+}
+
+MeshDescription describe_mesh(const Communicator &comm, const std::string &path) {
+  Box box;
+  auto description = collectively_on(comm, path, [&] {
+    const Reader reader(path);
+    const Header header = reader.read_header();
+    const Columns all_are_there = open_columns(reader, header);
+    box = read_box(reader, header, comm.rank(), comm.size());
+    const Extents &extents = header.extents;
+    MeshDescription result;
+    result.format_version = header.format_version;
+    result.program_version = header.program_version;
+    result.axis = header.axis;
+    result.slabs = extents.slabs();
+    result.sites = extents.sites.back();
+    result.ghosts = extents.vertices.back() - extents.sites.back();
+    result.triangles = extents.triangles.back();
+    result.hull_edges = header.hull_edges;
+    result.duplicates = extents.duplicates.back();
+    result.path_sites = extents.paths.back();
+    result.checksum = header.checksum;
+    result.digest = header.digest;
+    result.attributes = header.attribute_names;
+    result.coordinate_system = header.coordinate_system;
+    result.file_bytes = reader.file_bytes();
+    return result;
+  });
+  const std::vector<double> low = all_reduce_min(comm, std::vector<double>{box.low_x, box.low_y});
+  const std::vector<double> high = all_reduce_max(comm, std::vector<double>{box.high_x, box.high_y});
+  if (low[0] <= high[0] && low[1] <= high[1]) {
+    description.lowest = {low[0], low[1]};
+    description.highest = {high[0], high[1]};
+  }
+  return description;
+}
+
+} // namespace dovetail
