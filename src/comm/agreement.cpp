@@ -11,7 +11,7 @@ void agree(const Communicator &comm, const std::optional<Problem> &problem) {
   const int lowest = all_reduce_min(comm, problem ? comm.rank() : comm.size());
   if (lowest == comm.size())
     return;
-  Problem shared = comm.rank() == lowest ? *problem : Problem{};
+  Problem shared = problem.value_or(Problem{}); // of interest on the lowest rank alone
   broadcast(comm, shared, lowest);
   throw Error(std::move(shared));
 }
