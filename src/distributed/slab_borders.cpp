@@ -3,6 +3,7 @@
 #include "dovetail/comm/agreement.hpp"
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/comm/exchange.hpp"
+#include "merge_runs.hpp"
 #include "sort_points.hpp"
 
 #include <algorithm>
@@ -79,7 +80,8 @@ std::vector<std::int64_t> cut_positions(const Communicator &comm, std::span<cons
   return cuts;
 }
 
-void redistribute(const Communicator &comm, PointTable &table, std::span<const std::int64_t> send_counts) {
+void redistribute(const Communicator &comm, PointTable &table, Axis axis,
+                  std::span<const std::int64_t> send_counts) {
   const auto own = static_cast<std::size_t>(comm.rank());
   const std::vector<std::int64_t> receive_counts = exchange_counts(comm, send_counts);
   const std::int64_t sent = std::reduce(send_counts.begin(), send_counts.end());
@@ -97,17 +99,23 @@ void redistribute(const Communicator &comm, PointTable &table, std::span<const s
     }
     return std::make_unique_for_overwrite<Point[]>(size);
   });
-  const auto exchange_column = [&]<class Value>(std::vector<Value> &column) {
+  std::vector<std::uint32_t> order;
+  const auto send_column = [&]<class Value>(std::vector<Value> &column) {
     static_assert(sizeof(Value) <= sizeof(Point) && alignof(Value) <= alignof(Point));
-    const std::span arriving(reinterpret_cast<Value *>(buffer.get()), size);
-    exchange_into<Value>(comm, column, send_counts, arriving, receive_counts);
-    column.resize(size);
-    std::copy(arriving.begin(), arriving.end(), column.begin());
+    const std::span arrived(reinterpret_cast<Value *>(buffer.get()), size);
+    exchange_into<Value>(comm, column, send_counts, arrived, receive_counts);
+    return arrived;
   };
-  exchange_column(table.points);
-  exchange_column(table.input_index);
+  const auto take_column = [&]<class Value>(std::vector<Value> &column, std::span<const Value> arrived) {
+    column.resize(size);
+    merge_column<Value>(arrived, receive_counts, order, column);
+  };
+  const std::span<const Point> points = send_column(table.points);
+  order = collectively(comm, [&] { return merge_order(points, receive_counts, axis); });
+  take_column(table.points, points);
+  take_column(table.input_index, std::span<const GlobalIndex>(send_column(table.input_index)));
   for (Attribute &attribute : table.attributes)
-    exchange_column(attribute.values);
+    take_column(attribute.values, std::span<const double>(send_column(attribute.values)));
 }
 
 } // namespace dovetail

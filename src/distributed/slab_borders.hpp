@@ -20,8 +20,9 @@ namespace dovetail {
 std::vector<std::int64_t> cut_positions(const Communicator &comm, std::span<const Point> points, Axis axis,
                                         std::span<const GlobalIndex> targets);
 
-/// Sends the first send_counts[0] points to rank 0, the next to rank 1, and so on, column after column
-/// through one buffer.
-void redistribute(const Communicator &comm, PointTable &table, std::span<const std::int64_t> send_counts);
+/// Sends the first send_counts[0] of the sorted points to rank 0, the next to rank 1, and so on, column after
+/// column through one buffer, and merges what arrives: the table is sorted again.
+void redistribute(const Communicator &comm, PointTable &table, Axis axis,
+                  std::span<const std::int64_t> send_counts);
 
 } // namespace dovetail

@@ -112,17 +112,18 @@ std::vector<std::int64_t> differences(std::span<const std::int64_t> offsets) {
 void bring_together(const Communicator &comm, PointTable &table, Axis axis, const SlabOptions &options) {
   const auto total = all_reduce_sum(comm, static_cast<GlobalIndex>(table.points.size()));
   const Division division = division_of(total, options, comm.size());
-  redistribute(comm, table, differences(cut_positions(comm, table.points, axis, division.rank_begins)));
+  redistribute(comm, table, axis, differences(cut_positions(comm, table.points, axis, division.rank_begins)));
 }
 
 /// Moves sorted distinct sites so that every rank has those of its share exactly.
-void shift(const Communicator &comm, PointTable &table, const std::vector<GlobalIndex> &rank_begins) {
+void shift(const Communicator &comm, PointTable &table, Axis axis,
+           const std::vector<GlobalIndex> &rank_begins) {
   const auto count = static_cast<GlobalIndex>(table.points.size());
   const GlobalIndex begin = exclusive_scan(comm, count);
   std::vector<std::int64_t> cuts;
   for (const GlobalIndex rank_begin : rank_begins)
     cuts.push_back(std::clamp<GlobalIndex>(rank_begin - begin, 0, count));
-  redistribute(comm, table, differences(cuts));
+  redistribute(comm, table, axis, differences(cuts));
 }
 
 /// The lines of all borders. Every line is the `across` of one site, whose rank knows it.
@@ -224,21 +225,21 @@ Slabs sort_into_slabs(const Communicator &comm, PointTable &&points, const SlabO
     check_presorted(comm, sites, slabs.axis, options.subject);
 
   std::vector<MergedPoint> merged;
-  const auto sort_and_merge = [&] {
+  const auto merge_equals = [&] { merge_equal_points(sites, options.duplicates, merged); };
+  collectively(comm, [&] {
     sort_points(sites, slabs.axis, options.progress);
-    merge_equal_points(sites, options.duplicates, merged);
-  };
-  collectively(comm, sort_and_merge);
+    merge_equals();
+  });
   if (comm.size() > 1) {
     bring_together(comm, sites, slabs.axis, options);
-    collectively(comm, sort_and_merge);
+    collectively(comm, merge_equals);
   }
 
   const auto site_count = all_reduce_sum(comm, static_cast<GlobalIndex>(sites.points.size()));
   const Division division = division_of(site_count, options, comm.size());
   slabs.site_offsets = division.slab_begins;
   check_sizes(slabs, options.subject);
-  shift(comm, sites, division.rank_begins);
+  shift(comm, sites, slabs.axis, division.rank_begins);
   slabs.first_slab = first_slab_of_rank(slabs.slab_count(), comm.rank(), comm.size());
   slabs.own_slab_count =
       first_slab_of_rank(slabs.slab_count(), comm.rank() + 1, comm.size()) - slabs.first_slab;

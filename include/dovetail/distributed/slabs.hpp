@@ -61,14 +61,14 @@ std::vector<GlobalIndex> slab_offsets(GlobalIndex sites, int slabs);
 ///
 /// Every rank sorts its points (radix sort) and merges equal ones; borders are found by bisection of the
 /// space of positions, counting on all ranks, so that equal points of different ranks meet on one rank and
-/// ranks get equal shares; columns are exchanged one after another, sorted and merged again; where merging
-/// has moved the k-th distinct site, a shift puts it right. One rank does the same without the exchange.
+/// ranks get equal shares; columns are exchanged one after another, and the sorted runs and equal points that
+/// arrive are merged; where merging has moved the k-th distinct site, a shift puts it right. One rank does
+/// the same without the exchange.
 ///
 /// points: any distribution over the ranks, input indices distinct over all of them; consumed. No -0.0.
-/// Memory: 16 bytes a point on top of the table (and 32 for every merged point). Cost O(n) a rank and
-/// at most 128 rounds of an all-reduce of one number a rank.
-/// Errors: equal points under DuplicateRule::error; an untrue promise of `presorted`; slabs with more sites
-/// than LocalIndex allows.
+/// Memory: 16 bytes a point on top of the table, 20 on several ranks (and 32 for every merged point). Cost
+/// O(n) a rank and at most 128 rounds of an all-reduce of one number a rank. Errors: equal points under
+/// DuplicateRule::error; an untrue promise of `presorted`; slabs with more sites than LocalIndex allows.
 Slabs sort_into_slabs(const Communicator &comm, PointTable &&points, const SlabOptions &options);
 
 } // namespace dovetail
