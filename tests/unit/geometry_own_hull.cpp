@@ -71,9 +71,9 @@ TEST(OwnHull, is_the_path_of_every_distribution) {
 TEST(OwnHull, is_the_path_of_what_is_unusual) {
   Random random(11);
   const auto many = [](const std::function<Point(int)> &site) {
-    std::vector<Point> sites;
+    std::vector<Point> sites(3000);
     for (int i = 0; i < 3000; ++i)
-      sites.push_back(site(i));
+      sites[static_cast<std::size_t>(i)] = site(i);
     return sites;
   };
   expect_plain_hulls(many([&](int) { return Point{0.25, random.uniform()}; }), "all x equal");
@@ -162,9 +162,8 @@ TEST(PathFilter, never_rejects_what_can_be_on_a_path) {
   Random random(3);
   Rejections ordinary, extreme;
   const auto points = [&](int count, const std::function<Point()> &next) {
-    std::vector<Point> result;
-    for (int i = 0; i < count; ++i)
-      result.push_back(next());
+    std::vector<Point> result(static_cast<std::size_t>(count));
+    std::ranges::generate(result, next);
     return result;
   };
   for (int round = 0; round < 1500 && !HasFatalFailure(); ++round) {

@@ -230,6 +230,7 @@ Slabs cut(const std::vector<Site> &sites, std::size_t count) {
 
 Path own_hull_of(const std::vector<Site> &own, std::int64_t m, Axis axis) {
   std::vector<Point> points;
+  points.reserve(own.size());
   for (const Site &site : own)
     points.push_back(as_point(site, axis));
   Path hull = own_hull(points, 500, as_line(m, axis));
