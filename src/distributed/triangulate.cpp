@@ -12,6 +12,7 @@ namespace dovetail {
 DistributedMesh triangulate(const Communicator &comm, PointTable &&points,
                             const TriangulateOptions &options) {
   const auto phase = [&](const char *name, auto &&work) {
+    report_progress(options.slabs.progress, name, 0);
     return options.phases ? options.phases->measure(name, work) : work();
   };
   Slabs slabs = phase("sort", [&] { return sort_into_slabs(comm, std::move(points), options.slabs); });
