@@ -71,9 +71,12 @@ ExitCode generate(const GenerateOptions &options, const Session &session) {
   report["points"] = options.set.n;
   report["phases"] = phases_as_json(phase_names, times);
   write_report(session, std::move(report), options.telling.report);
-  if (comm.is_root() && !options.telling.quiet)
-    fmt::print("{}: {}, {}, seed {}\n{}\n", options.output, counted(options.set.n, "point", "points"),
-               distribution_name(options.set.distribution), options.set.seed, times_text(session, times));
+  if (comm.is_root() && !options.telling.quiet) {
+    print_row("generated", fmt::format("{}, {}, seed {}", counted(options.set.n, "point", "points"),
+                                       distribution_name(options.set.distribution), options.set.seed));
+    print_row("time", times_text(session, times));
+    print_row("wrote", options.output);
+  }
   return success;
 }
 

@@ -40,7 +40,7 @@ void ProgressMeter::begin_locked(std::string_view name) {
     return;
   current_ = static_cast<std::size_t>(stage - stages_.begin());
   stage_start_ = Clock::now();
-  told_fraction_.reset();
+  told_fraction_ = 0;
 }
 
 void ProgressMeter::update(std::string_view name, double fraction) {
@@ -93,19 +93,20 @@ std::string ProgressMeter::line(Clock::time_point now) const {
   const double elapsed = std::chrono::duration<double>(now - start_).count();
   const double in_stage = std::chrono::duration<double>(now - stage_start_).count();
   const double before_stage = elapsed - in_stage;
-  std::string text = fmt::format("dovetail: {}, {} gone", stages_[current_].name, duration_text(elapsed));
+  std::string text =
+      fmt::format("dovetail: {}, {} gone", stages_[current_].name, rough_duration_text(elapsed));
 
-  double fraction = 0;
-  if (told_fraction_)
-    fraction = *told_fraction_;
-  else if (before > 0 && before_stage > 0)
-    fraction = guessed_fraction(in_stage, stages_[current_].weight * before_stage / before);
+  // What the stage tells may be coarse, a slab at a time; what is usual fills the gaps.
+  double fraction = told_fraction_;
+  if (before > 0 && before_stage > 0)
+    fraction =
+        std::max(fraction, guessed_fraction(in_stage, stages_[current_].weight * before_stage / before));
   const double done = (before + stages_[current_].weight * fraction) / total;
   // As long as nothing has been measured, nothing is promised.
   if (done <= 0)
     return text;
   return text + fmt::format(", about {:.0f} % done, {} left", 100 * done,
-                            duration_text(elapsed * (1 - done) / done));
+                            rough_duration_text(elapsed * (1 - done) / done));
 }
 
 } // namespace dovetail::cli

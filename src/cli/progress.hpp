@@ -4,7 +4,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -57,7 +56,7 @@ private:
   std::condition_variable wake_;
   std::size_t current_ = 0;
   Clock::time_point stage_start_ = start_;
-  std::optional<double> told_fraction_;
+  double told_fraction_ = 0;
   bool finished_ = false;
   std::thread thread_;
 };

@@ -94,7 +94,7 @@ std::string times_text(const Session &session, std::span<const PhaseSummary> pha
   std::vector<std::string> parts{"start " + duration_text(startup.count())};
   for (const PhaseSummary &phase : phases)
     parts.push_back(phase.name + " " + duration_text(phase.wall_max_s));
-  return fmt::format("Time: {} ({})", duration_text(seconds_since(session.start)), joined(parts, ", "));
+  return fmt::format("{}: {}", duration_text(seconds_since(session.start)), joined(parts, ", "));
 }
 
 void write_report(const Session &session, Report report, const std::string &path) {

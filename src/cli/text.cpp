@@ -24,7 +24,13 @@ std::string duration_text(double seconds) {
     return fmt::format("{:.3f} s", seconds);
   if (seconds < 99.95)
     return fmt::format("{:.1f} s", seconds);
+  return rough_duration_text(seconds);
+}
+
+std::string rough_duration_text(double seconds) {
   const auto whole = static_cast<std::int64_t>(std::llround(seconds));
+  if (whole < 100)
+    return fmt::format("{} s", whole);
   if (whole < 3600)
     return fmt::format("{} min {:02} s", whole / 60, whole % 60);
   return fmt::format("{} h {:02} min", whole / 3600, whole % 3600 / 60);
@@ -41,6 +47,8 @@ std::string size_text(std::int64_t bytes) {
     return fmt::format("{:.1f} MiB", size / mebi);
   return fmt::format("{:.2f} GiB", size / (1024.0 * mebi));
 }
+
+void print_row(std::string_view name, std::string_view value) { fmt::print("{:<18} {}\n", name, value); }
 
 std::string counted(std::int64_t number, std::string_view singular, std::string_view plural) {
   return fmt::format("{} {}", with_separators(number), number == 1 ? singular : plural);

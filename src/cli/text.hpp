@@ -16,11 +16,17 @@ std::string with_separators(std::int64_t number);
 /// A duration as "0.123 s", "12.3 s", "4 min 05 s" or "2 h 03 min".
 std::string duration_text(double seconds);
 
+/// The same for estimates: "12 s", "4 min 05 s" or "2 h 03 min".
+std::string rough_duration_text(double seconds);
+
 /// A size as "512 bytes", "1.5 MiB" or "3.25 GiB".
 std::string size_text(std::int64_t bytes);
 
 /// "1 triangle", "2 triangles".
 std::string counted(std::int64_t number, std::string_view singular, std::string_view plural);
+
+/// Prints a line of a list of facts on standard output: name, then value, in two columns.
+void print_row(std::string_view name, std::string_view value);
 
 /// {"a", "b"} as "a, b" if the separator is ", ".
 template <class Texts> std::string joined(const Texts &texts, std::string_view separator) {

@@ -29,6 +29,8 @@ TEST(Text, Durations) {
   EXPECT_EQ(duration_text(3599.4), "59 min 59 s");
   EXPECT_EQ(duration_text(3599.6), "1 h 00 min");
   EXPECT_EQ(duration_text(7384), "2 h 03 min");
+  EXPECT_EQ(rough_duration_text(5.4), "5 s");
+  EXPECT_EQ(rough_duration_text(99.6), "1 min 40 s");
 }
 
 TEST(Text, Sizes) {

@@ -1,0 +1,203 @@
+// dovetail triangulate: from point files to a mesh file.
+#include "command.hpp"
+#include "options.hpp"
+#include "output.hpp"
+#include "report.hpp"
+#include "text.hpp"
+#include "verdict.hpp"
+
+#include "dovetail/comm/collectives.hpp"
+#include "dovetail/comm/phases.hpp"
+#include "dovetail/distributed/triangulate.hpp"
+#include "dovetail/io/mesh.hpp"
+#include "dovetail/io/points.hpp"
+#include "dovetail/mesh/checksum.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <memory>
+
+namespace dovetail::cli {
+namespace {
+
+struct TriangulateCommand {
+  std::vector<std::string> inputs;
+  std::string output; ///< "none" to write nothing
+  PointReading reading;
+  SlabOptions slabs;
+  Telling telling;
+  bool writes() const { return output != "none"; }
+};
+
+constexpr std::array<std::string_view, 1> output_extensions{".vtkhdf"};
+const std::vector<std::string> phase_names{"read", "sort", "split", "triangulate", "stitch", "write"};
+/// Shares of the time of ten million points on two ranks.
+const std::vector<Stage> usual_shares{{"read", 1},         {"sort", 3},   {"split", 0.5},
+                                      {"triangulate", 12}, {"stitch", 1}, {"write", 5}};
+
+/// What is known of a finished run, the same on all ranks.
+struct Outcome {
+  PointInput input; ///< its points are gone
+  DistributedMesh mesh;
+  std::vector<PhaseSummary> phases;
+  std::int64_t peak_rss_max_bytes = 0;
+};
+
+Outcome run_phases(const TriangulateCommand &command, const Communicator &comm) {
+  ProgressMeter meter(progress_style(comm.is_root(), command.telling), usual_shares);
+  PhaseLog phases(comm);
+  Outcome outcome;
+
+  meter.begin("read");
+  outcome.input = phases.measure("read", [&] { return read_points(comm, command.inputs, command.reading); });
+  TriangulateOptions options{command.slabs, &phases};
+  options.slabs.progress = progress_into(meter);
+  options.slabs.subject = joined(command.inputs, " ");
+  outcome.mesh = triangulate(comm, std::move(outcome.input.points), options);
+  outcome.mesh.coordinate_system = outcome.input.coordinate_system;
+  outcome.peak_rss_max_bytes = all_reduce_max(comm, peak_rss_bytes());
+  if (command.writes()) {
+    meter.begin("write");
+    phases.measure("write", [&] { write_mesh(comm, outcome.mesh, command.output); });
+    outcome.peak_rss_max_bytes = all_reduce_max(comm, peak_rss_bytes());
+  }
+  outcome.phases = summarise(comm, phases);
+  return outcome;
+}
+
+Report report_of(const TriangulateCommand &command, const Session &session, const Outcome &outcome) {
+  const DistributedMesh &mesh = outcome.mesh;
+  const MeshStatistics &statistics = mesh.statistics;
+  Report report = new_report(session, "triangulate", command.inputs);
+  if (command.writes())
+    report["output"] = command.output;
+  report["slabs"] = mesh.slab_count();
+  report["axis"] = axis_name(mesh.axis);
+  report["points"] = outcome.input.read;
+  report["withheld"] = outcome.input.withheld;
+  report["other_class"] = outcome.input.other_class;
+  report["sites"] = mesh.site_count();
+  report["duplicates"] = outcome.input.read - mesh.site_count();
+  report["triangles"] = mesh.triangle_count();
+  report["hull_edges"] = mesh.hull_edges;
+  report["checksum"] = checksum_text(mesh.checksum);
+  report["peak_rss_max_bytes"] = outcome.peak_rss_max_bytes;
+  report["own_sites_max"] = statistics.own_sites_max;
+  report["path_sites_max"] = statistics.path_sites_max;
+  report["candidate_sites_max"] = statistics.candidate_sites_max;
+  report["imbalance"] = statistics.slab_imbalance(mesh.site_count(), mesh.slab_count());
+  report["path_sites"] = statistics.path_sites;
+  report["longest_path"] = statistics.longest_path;
+  report["ghosts"] = statistics.ghosts;
+  report["phases"] = phases_as_json(phase_names, outcome.phases);
+  return report;
+}
+
+std::int64_t bytes_of(const std::string &path) {
+  std::error_code ignored;
+  const auto bytes = std::filesystem::file_size(path, ignored);
+  return ignored ? 0 : static_cast<std::int64_t>(bytes);
+}
+
+void print_input(const PointInput &input) {
+  const auto files = static_cast<GlobalIndex>(input.files.size());
+  print_row("read",
+            fmt::format("{} from {}", counted(input.read, "point", "points"),
+                        files == 1 ? input.files.front().file.path : counted(files, "file", "files")));
+  if (input.withheld > 0)
+    print_row("skipped", fmt::format("{} marked as withheld", counted(input.withheld, "point", "points")));
+  if (input.other_class > 0)
+    print_row("skipped", fmt::format("{} of other classes", counted(input.other_class, "point", "points")));
+  if (input.without_z > 0)
+    print_row("notice", fmt::format("{} without z got z = 0, because other files have a z",
+                                    counted(input.without_z, "point", "points")));
+  if (input.mixed_coordinate_systems)
+    print_row("notice", "the files name different coordinate systems; coordinates are taken as they are");
+}
+
+void print_outcome(const TriangulateCommand &command, const Session &session, const Outcome &outcome) {
+  const DistributedMesh &mesh = outcome.mesh;
+  const GlobalIndex sites = mesh.site_count();
+  print_input(outcome.input);
+  print_row("sites", fmt::format("{}, and {} merged", with_separators(sites),
+                                 counted(outcome.input.read - sites, "duplicate", "duplicates")));
+  print_row("triangles", fmt::format("{} in {} cut along {}", with_separators(mesh.triangle_count()),
+                                     counted(mesh.slab_count(), "slab", "slabs"), axis_name(mesh.axis)));
+  if (mesh.triangle_count() == 0)
+    print_row("notice", no_triangles_reason(sites));
+  print_row("hull edges", with_separators(mesh.hull_edges));
+  print_row("checksum", checksum_text(mesh.checksum));
+  print_row("time", times_text(session, outcome.phases));
+  print_row("memory", fmt::format("{} on the largest of {}", size_text(outcome.peak_rss_max_bytes),
+                                  counted(session.comm.size(), "rank", "ranks")));
+  if (command.writes())
+    print_row("wrote", fmt::format("{}, {}", command.output, size_text(bytes_of(command.output))));
+}
+
+ExitCode run_triangulate(const TriangulateCommand &command, const Session &session) {
+  const Communicator &comm = session.comm;
+  if (command.writes())
+    check_output(comm, command.output, command.inputs, output_extensions);
+  check_report(comm, command.telling.report, command.inputs, command.output);
+  const Outcome outcome = run_phases(command, comm);
+  write_report(session, report_of(command, session, outcome), command.telling.report);
+  if (comm.is_root() && !command.telling.quiet)
+    print_outcome(command, session, outcome);
+  return success;
+}
+
+constexpr const char *details =
+    R"(Triangulate the points of one file or several: the canonical Delaunay triangulation of
+their distinct (x, y), the same for every number of ranks and slabs.
+
+Input:  .las (1.0 to 1.4, uncompressed), .npy (N x 2 or N x 3, float64 or float32),
+        .f64 (x, y, x, y, ... as little-endian doubles)
+Output: .vtkhdf, which ParaView and h5py read as well
+
+Examples:
+  dovetail triangulate survey.las -o survey.vtkhdf
+  mpirun -n 4 dovetail triangulate survey.las -o ground.vtkhdf --class 2,9 --duplicates lowest
+  mpirun -n 4 dovetail triangulate west.npy east.npy -o both.vtkhdf --slabs 16 --report both.json
+  mpirun -n 4 dovetail triangulate stars.npy -o none --progress
+)";
+
+const std::map<std::string, AxisChoice> axis_choices{
+    {"auto", AxisChoice::automatic}, {"x", AxisChoice::x}, {"y", AxisChoice::y}};
+const std::map<std::string, DuplicateRule> duplicate_rules{{"first", DuplicateRule::first},
+                                                           {"lowest", DuplicateRule::lowest},
+                                                           {"highest", DuplicateRule::highest},
+                                                           {"error", DuplicateRule::error}};
+
+} // namespace
+
+Subcommand add_triangulate(CLI::App &app) {
+  CLI::App *parser = app.add_subcommand("triangulate", "Make the Delaunay mesh of points");
+  parser->footer(details);
+  const auto command = std::make_shared<TriangulateCommand>();
+  parser->add_option("INPUT", command->inputs, "Files of points: .las, .npy, .f64")
+      ->required()
+      ->option_text("FILE ... (required)");
+  parser->add_option("-o,--output", command->output, "Mesh to write; none to check it and write nothing")
+      ->required()
+      ->option_text("FILE.vtkhdf (required)");
+  add_class_option(*parser, command->reading.classes);
+  add_word_option(*parser, "--duplicates", command->slabs.duplicates, duplicate_rules,
+                  "Which of equal points is kept: first in the input, lowest or highest z")
+      ->option_text("first|lowest|highest|error [first]");
+  parser->add_option("--slabs", command->slabs.slabs, "Number of slabs, on all ranks together [by size]")
+      ->check(CLI::Range(1, 1 << 24))
+      ->option_text("N");
+  add_word_option(*parser, "--axis", command->slabs.axis, axis_choices,
+                  "Coordinate that the slabs cut; auto looks at a sample")
+      ->option_text("auto|x|y [auto]");
+  parser->add_flag("--presorted", command->slabs.presorted,
+                   "The points ascend by (x, y), or (y, x) with --axis y: checked, not sorted");
+  add_telling_options(*parser, command->telling);
+  return {parser, [command](const Session &session) { return run_triangulate(*command, session); }};
+}
+
+} // namespace dovetail::cli

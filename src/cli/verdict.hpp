@@ -1,0 +1,16 @@
+/// What the commands say of a mesh. Local; for the root.
+#pragma once
+
+#include "dovetail/base/types.hpp"
+
+#include <string>
+
+namespace dovetail::cli {
+
+/// "x" or "y".
+std::string axis_name(Axis axis);
+
+/// Why so many sites have no triangle: a valid mesh, but one that nobody expects.
+std::string no_triangles_reason(GlobalIndex sites);
+
+} // namespace dovetail::cli
