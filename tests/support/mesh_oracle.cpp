@@ -125,10 +125,10 @@ void cut(int slabs, Axis axis, Whole &whole) {
   }
 }
 
-void deal_triangles(Axis axis, Whole &whole) {
+void deal_triangles(const std::vector<Corners> &triangles_of_whole, Axis axis, Whole &whole) {
   const std::vector<Point> &sites = whole.sites.points;
   whole.slab_triangles.resize(whole.lines.size() + 1);
-  for (const Corners &t : wrap(sites)) {
+  for (const Corners &t : triangles_of_whole) {
     std::size_t slab = 0;
     while (slab < whole.lines.size() &&
            !exact::circumcenter_is_left(sites[at(t[0])], sites[at(t[1])], sites[at(t[2])],
@@ -225,11 +225,23 @@ std::vector<Corners> wrap(const std::vector<Point> &sites) {
   return triangles;
 }
 
+std::vector<Point> sites_of(const PointTable &points, Axis axis) {
+  std::vector<Point> sites = points.points;
+  std::sort(sites.begin(), sites.end(), TotalOrder{axis});
+  sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
+  return sites;
+}
+
 DistributedMesh make_mesh(const PointTable &points, const MeshRequest &request) {
+  return make_mesh_of(points, wrap(sites_of(points, request.axis)), request);
+}
+
+DistributedMesh make_mesh_of(const PointTable &points, const std::vector<Corners> &triangles_of_whole,
+                             const MeshRequest &request) {
   Whole whole;
   sort_points(points, request.axis, whole);
   cut(request.slabs, request.axis, whole);
-  deal_triangles(request.axis, whole);
+  deal_triangles(triangles_of_whole, request.axis, whole);
 
   DistributedMesh mesh;
   mesh.axis = request.axis;

@@ -24,6 +24,15 @@ std::vector<std::array<LocalIndex, 3>> wrap(const std::vector<Point> &sites);
 /// The mesh of a table of points in any order, with duplicates; the lowest input index stands for a site.
 DistributedMesh make_mesh(const PointTable &points, const MeshRequest &request);
 
+/// The distinct points in the total order: site v of a mesh is element v.
+std::vector<Point> sites_of(const PointTable &points, Axis axis);
+
+/// The same from any triangles over these sites, counter-clockwise: for meshes that are wrong in one way and
+/// right in all others. Neighbours are found by edges, the rest as in make_mesh.
+DistributedMesh make_mesh_of(const PointTable &points,
+                             const std::vector<std::array<LocalIndex, 3>> &triangles,
+                             const MeshRequest &request);
+
 /// n points with attributes "z" and "intensity" made from their index, and input indices 0, 1, ...
 PointTable table_of(const std::vector<Point> &points);
 

@@ -1,0 +1,206 @@
+// The boundary, and the paths. Both are looked at edge by edge, each where it is known.
+#include "validation.hpp"
+
+#include "dovetail/geometry/predicates.hpp"
+
+#include <fmt/format.h>
+
+namespace dovetail::validation {
+namespace {
+
+/// Calls visit(slab, s, side) for every side with nothing beyond.
+template <class Visit> void for_each_hull_side(const DistributedMesh &mesh, Visit &&visit) {
+  int s = mesh.first_slab;
+  for (const SlabMesh &slab : mesh.slabs) {
+    auto border = slab.border_sides.begin();
+    for (std::size_t side = 0; side < slab.triangles.neighbours.size(); ++side) {
+      if (slab.triangles.neighbours[side] != none)
+        continue;
+      if (border != slab.border_sides.end() && at(border->side) == side)
+        ++border;
+      else
+        visit(slab, s, static_cast<LocalIndex>(side));
+    }
+    ++s;
+  }
+}
+
+/// One end of a hull edge, told to the owner of the site there.
+struct HullNotice {
+  GlobalIndex site;
+  GlobalIndex other;
+  Point site_point, other_point;
+  std::int64_t leaves; ///< 1: the edge goes from site to other; 0: from other to site
+};
+
+struct Extremes {
+  GlobalIndex low = 0, high = 0;
+};
+
+/// The hull edges at one site: exactly one must arrive and one leave, turning left or going straight on.
+void check_hull_vertex(const Point p, std::span<const HullNotice> notices, Extremes &extremes,
+                       Findings &findings) {
+  const GlobalIndex site = notices.front().site;
+  const auto leaving = std::ranges::count(notices, 1, &HullNotice::leaves);
+  if (leaving != 1 || notices.size() != 2) {
+    findings.add(ViolationKind::hull, [&] {
+      return fmt::format("site {} {}: {} boundary edges arrive and {} leave", site, text_of(p),
+                         static_cast<std::ptrdiff_t>(notices.size()) - leaving, leaving);
+    });
+    return;
+  }
+  const HullNotice &arriving = notices[notices[0].leaves == 1 ? 1 : 0];
+  const HullNotice &departing = notices[notices[0].leaves == 1 ? 0 : 1];
+  const bool ascends = lexicographically_less(arriving.other_point, p);
+  const bool ascends_after = lexicographically_less(p, departing.other_point);
+  extremes.low += !ascends && ascends_after;
+  extremes.high += ascends && !ascends_after;
+  const Sign turn = exact::orientation(arriving.other_point, p, departing.other_point);
+  if (turn == Sign::negative || (turn == Sign::zero && ascends != ascends_after))
+    findings.add(ViolationKind::hull, [&] {
+      return fmt::format("site {} {}: the boundary turns {} between sites {} and {}", site, text_of(p),
+                         turn == Sign::zero ? "back" : "right", arriving.other, departing.other);
+    });
+}
+
+std::vector<HullNotice> hull_notices(const DistributedMesh &mesh) {
+  std::vector<HullNotice> notices;
+  for_each_hull_side(mesh, [&](const SlabMesh &slab, int, LocalIndex side) {
+    const Side edge = side_of(slab, side);
+    const GlobalIndex from = number_of(slab, edge.from);
+    const GlobalIndex to = number_of(slab, edge.to);
+    notices.push_back({from, to, point_of(slab, edge.from), point_of(slab, edge.to), 1});
+    notices.push_back({to, from, point_of(slab, edge.to), point_of(slab, edge.from), 0});
+  });
+  return notices;
+}
+
+} // namespace
+
+// Why looking at one vertex at a time is enough. If one edge arrives and one leaves at every boundary vertex,
+// the boundary is a set of closed cycles. Each of them has a lexicographically lowest vertex, where it goes
+// from descending to ascending; if there is one such vertex in all, there is one cycle, and if there is one
+// highest as well, the cycle goes once up and once down. On its way up all directions lie in a half-open half
+// circle, so with left turns only it turns by less than 180 degrees, likewise down; at both ends it turns by
+// less than 180 (a turn of 180 is refused as turning back). That is less than 720 in all, more than 0 and a
+// multiple of 360: the boundary is a convex polygon, passed once. A boundary that winds twice, such as that
+// of a pentagram, has two lowest vertices.
+void check_hull(const Communicator &comm, const DistributedMesh &mesh, const Ownership &owners,
+                Findings &findings) {
+  const std::vector<HullNotice> told = hull_notices(mesh);
+  findings.counts.hull_edges = static_cast<GlobalIndex>(told.size() / 2);
+  auto notices =
+      deliver(comm, told, [&](const HullNotice &notice) { return owners.rank_of_site(notice.site); });
+  std::ranges::sort(notices, {}, &HullNotice::site);
+  Extremes extremes;
+  for (std::size_t begin = 0, end = 0; begin < notices.size(); begin = end) {
+    while (end < notices.size() && notices[end].site == notices[begin].site)
+      ++end;
+    check_hull_vertex(notices[begin].site_point, std::span(notices).subspan(begin, end - begin), extremes,
+                      findings);
+  }
+  const auto sums =
+      all_reduce_sum(comm, std::vector<GlobalIndex>{extremes.low, extremes.high, findings.counts.hull_edges});
+  if (!comm.is_root())
+    return;
+  if (sums[0] != 1 || sums[1] != 1)
+    findings.add(ViolationKind::hull, [&] {
+      return fmt::format("the boundary goes up {} times and down {} times, where once must be", sums[0],
+                         sums[1]);
+    });
+  if (sums[2] != mesh.hull_edges)
+    findings.add(ViolationKind::hull, [&] {
+      return fmt::format("the mesh says {} hull edges, and has {}", mesh.hull_edges, sums[2]);
+    });
+  if (const GlobalIndex expected = 2 * mesh.site_count() - 2 - sums[2]; mesh.triangle_count() != expected)
+    findings.add(ViolationKind::euler, [&] {
+      return fmt::format("{} triangles where {} sites and {} hull edges call for {}", mesh.triangle_count(),
+                         mesh.site_count(), sums[2], expected);
+    });
+}
+
+namespace {
+
+/// An edge that the path of a line must have, upwards along the line.
+struct PathNotice {
+  std::int64_t slab; ///< right of the line
+  GlobalIndex from, to;
+  friend auto operator<=>(const PathNotice &, const PathNotice &) = default;
+};
+
+/// Adds the edge, of a triangle in slab s with what is beyond in slab `beyond` (-1 or the number of slabs:
+/// the outside), to the paths of all lines between the two, if the triangle is on the lower side of the
+/// lines' coordinate and so has the telling.
+void add_path_edge(const DistributedMesh &mesh, const SlabMesh &slab, int s, LocalIndex side, bool is_hull,
+                   int beyond, std::vector<PathNotice> &notices) {
+  const Side edge = side_of(slab, side);
+  const double from = along(point_of(slab, edge.from), mesh.axis);
+  const double to = along(point_of(slab, edge.to), mesh.axis);
+  if (from == to)
+    return; // parallel to the Voronoi edge's line: no line crosses it
+  // A counter-clockwise triangle lies left of its edge, which is the side of smaller x going up, and that of
+  // larger y going right.
+  const bool is_low_side = (from < to) == (mesh.axis == Axis::x);
+  if (!is_hull && !is_low_side)
+    return;
+  const int first = is_low_side ? s + 1 : 1;
+  const int last = !is_hull ? beyond : is_low_side ? mesh.slab_count() - 1 : s;
+  GlobalIndex low = number_of(slab, edge.from);
+  GlobalIndex high = number_of(slab, edge.to);
+  if (to < from)
+    std::swap(low, high);
+  for (int line = first; line <= last; ++line)
+    notices.push_back({line, low, high});
+}
+
+void check_path(const SlabMesh &slab, int s, std::span<const PathNotice> expected, Findings &findings) {
+  std::vector<PathNotice> stored;
+  for (std::size_t i = 1; i < slab.left_path.size(); ++i)
+    stored.push_back({s, slab.left_path[i - 1], slab.left_path[i]});
+  findings.counts.path_edges += static_cast<GlobalIndex>(stored.size());
+  std::ranges::sort(stored);
+  const auto [has, needs] = std::ranges::mismatch(stored, expected);
+  if (has == stored.end() && needs == expected.end())
+    return;
+  findings.add(ViolationKind::path, [&] {
+    const bool extra = needs == expected.end() || (has != stored.end() && *has < *needs);
+    const PathNotice &edge = extra ? *has : *needs;
+    return fmt::format(
+        "slab {}: its left path {} the edge from site {} to site {}, and the triangles show {}", s,
+        extra ? "has" : "lacks", edge.from, edge.to, extra ? "none there" : "it");
+  });
+}
+
+} // namespace
+
+// An edge is on the path of a line exactly if its Voronoi edge crosses the line (F1), that is, if the
+// circumcenter of the triangle on its lower side is left of the line (F2: the triangle is in a slab left of
+// it) and that on its upper side is right of it. Where there is nothing beyond, the Voronoi edge runs to
+// infinity, away from the line if the edge is parallel to the coordinate that is cut. So the triangles on
+// borders and hull know all edges of all paths, and a path is right if it has these and no others.
+void check_paths(const Communicator &comm, const DistributedMesh &mesh, const Ownership &owners,
+                 Findings &findings) {
+  std::vector<PathNotice> told;
+  int s = mesh.first_slab;
+  for (const SlabMesh &slab : mesh.slabs) {
+    for (const BorderSide &border : slab.border_sides)
+      add_path_edge(mesh, slab, s, border.side, false, owners.slab_of_triangle(border.neighbour), told);
+    ++s;
+  }
+  for_each_hull_side(mesh, [&](const SlabMesh &slab, int number, LocalIndex side) {
+    add_path_edge(mesh, slab, number, side, true, none, told);
+  });
+  auto notices = deliver(comm, told, [&](const PathNotice &notice) {
+    return owners.rank_of_slab(static_cast<int>(notice.slab));
+  });
+  std::ranges::sort(notices);
+  s = mesh.first_slab;
+  for (const SlabMesh &slab : mesh.slabs) {
+    const auto range = std::ranges::equal_range(notices, s, {}, &PathNotice::slab);
+    if (s > 0)
+      check_path(slab, s, std::span<const PathNotice>(range.begin(), range.end()), findings);
+    ++s;
+  }
+}
+
+} // namespace dovetail::validation

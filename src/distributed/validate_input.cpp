@@ -1,0 +1,111 @@
+// The mesh beside its input: joined by input index, so that every point finds its site or duplicate.
+#include "validation.hpp"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <limits>
+#include <tuple>
+
+namespace dovetail::validation {
+namespace {
+
+/// One point as the input or the mesh has it.
+struct Entry {
+  GlobalIndex input_index;
+  Point point;
+  double z;
+};
+
+using Bits = std::tuple<GlobalIndex, std::uint64_t, std::uint64_t, std::uint64_t>;
+Bits bits_of(const Entry &entry) {
+  // Adding zero turns -0.0 into 0.0, which is the same coordinate.
+  const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value + 0.0); };
+  return {entry.input_index, bits(entry.point.x), bits(entry.point.y), bits(entry.z)};
+}
+
+/// Those with an index in [begin, end).
+void add_input(const PointTable &points, GlobalIndex begin, GlobalIndex end, std::vector<Entry> &entries) {
+  const std::vector<double> *z = z_of(points);
+  for (std::size_t i = 0; i < points.points.size(); ++i)
+    if (const GlobalIndex index = points.input_index[i]; index >= begin && index < end)
+      entries.push_back({index, points.points[i], z ? (*z)[i] : 0.0});
+}
+
+void add_mesh(const DistributedMesh &mesh, GlobalIndex begin, GlobalIndex end, std::vector<Entry> &entries) {
+  auto duplicate = mesh.duplicates.begin();
+  for (const SlabMesh &slab : mesh.slabs) {
+    const std::vector<double> *z = z_of(slab.vertices);
+    for (std::size_t v = 0; v < at(slab.own_count); ++v)
+      if (const GlobalIndex index = slab.vertices.input_index[v]; index >= begin && index < end)
+        entries.push_back({index, slab.vertices.points[v], z ? (*z)[v] : 0.0});
+    const GlobalIndex end_site = slab.first_site + slab.own_count;
+    for (; duplicate != mesh.duplicates.end() && duplicate->site < end_site; ++duplicate)
+      if (duplicate->site >= slab.first_site && duplicate->input_index >= begin &&
+          duplicate->input_index < end)
+        entries.push_back({duplicate->input_index,
+                           slab.vertices.points[at(duplicate->site - slab.first_site)], duplicate->z});
+  }
+}
+
+std::string text_of(const Entry &entry) {
+  return fmt::format("point {} {} with z {:.17g}", entry.input_index, validation::text_of(entry.point),
+                     entry.z);
+}
+
+void compare(std::vector<Entry> &input, std::vector<Entry> &mesh, Findings &findings) {
+  std::ranges::sort(input, {}, bits_of);
+  std::ranges::sort(mesh, {}, bits_of);
+  auto i = input.begin();
+  auto m = mesh.begin();
+  while (i != input.end() || m != mesh.end()) {
+    const bool only_input = m == mesh.end() || (i != input.end() && bits_of(*i) < bits_of(*m));
+    const bool only_mesh = !only_input && (i == input.end() || bits_of(*m) < bits_of(*i));
+    if (only_input)
+      findings.add(ViolationKind::input,
+                   [&] { return "the input has " + text_of(*i) + ", and the mesh has it not"; });
+    else if (only_mesh)
+      findings.add(ViolationKind::input,
+                   [&] { return "the mesh has " + text_of(*m) + ", and the input has it not"; });
+    else
+      ++findings.counts.input_points;
+    i += !only_mesh;
+    m += !only_input;
+  }
+}
+
+constexpr GlobalIndex indices_at_once = GlobalIndex{1}
+                                        << 22; ///< for every rank: two entries of 32 bytes each
+
+} // namespace
+
+/// In rounds, so that a rank needs memory for a part of the points only; every round has a range of indices
+/// for every rank to compare.
+void check_input(const Communicator &comm, const DistributedMesh &mesh, const PointTable &points,
+                 Findings &findings) {
+  constexpr GlobalIndex lowest = std::numeric_limits<GlobalIndex>::min();
+  constexpr GlobalIndex highest = std::numeric_limits<GlobalIndex>::max();
+  GlobalIndex last = 0;
+  for (const GlobalIndex index : points.input_index)
+    last = std::max(last, index);
+  last = all_reduce_max(comm, last);
+
+  const GlobalIndex share = std::min(indices_at_once, last / comm.size() + 1);
+  for (GlobalIndex begin = 0; begin <= last; begin += share * comm.size()) {
+    const GlobalIndex end = begin + share * comm.size();
+    const auto rank_of = [&](const Entry &entry) {
+      return static_cast<int>(
+          std::clamp<GlobalIndex>((entry.input_index - begin) / share, 0, comm.size() - 1));
+    };
+    // What the mesh has beyond all that the input has is compared with the first and last rounds.
+    std::vector<Entry> own;
+    add_mesh(mesh, begin == 0 ? lowest : begin, end > last ? highest : end, own);
+    std::vector<Entry> of_mesh = deliver(comm, own, rank_of);
+    own.clear();
+    add_input(points, begin == 0 ? lowest : begin, end, own);
+    std::vector<Entry> of_input = deliver(comm, own, rank_of);
+    compare(of_input, of_mesh, findings);
+  }
+}
+
+} // namespace dovetail::validation

@@ -1,0 +1,140 @@
+/// What the parts of the distributed validator share. Private to distributed.
+#pragma once
+
+#include "dovetail/comm/collectives.hpp"
+#include "dovetail/comm/exchange.hpp"
+#include "dovetail/distributed/mesh.hpp"
+#include "dovetail/distributed/validate.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+#include <vector>
+
+namespace dovetail::validation {
+
+template <class T> std::size_t at(T index) { return static_cast<std::size_t>(index); }
+
+std::string text_of(Point p);
+
+/// What this rank has found so far: counts, and the first few violations of every kind in words.
+class Findings {
+public:
+  static constexpr GlobalIndex kept_of_each_kind = 3;
+
+  /// `describe` makes the text, and is only asked when the text will be kept.
+  template <class Describe> void add(ViolationKind kind, Describe &&describe) {
+    GlobalIndex &count = counts.violations_by_kind[at(kind)];
+    if (count++ < kept_of_each_kind)
+      counts.first_violations.push_back({kind, describe()});
+  }
+  bool any() const {
+    return std::ranges::any_of(counts.violations_by_kind, [](GlobalIndex count) { return count > 0; });
+  }
+
+  ValidationReport counts; ///< this rank's share
+};
+
+/// Who owns which slab, site and triangle. The same on all ranks.
+class Ownership {
+public:
+  /// `first_slabs` of all ranks, and the number of slabs at the end.
+  Ownership(const DistributedMesh &mesh, std::vector<int> first_slabs)
+      : sites_(mesh.site_offsets), triangles_(mesh.triangle_offsets), first_slabs_(std::move(first_slabs)) {}
+
+  int rank_of_slab(int slab) const { return static_cast<int>(last_not_above(first_slabs_, slab)); }
+  int slab_of_site(GlobalIndex number) const { return static_cast<int>(last_not_above(sites_, number)); }
+  int slab_of_triangle(GlobalIndex number) const {
+    return static_cast<int>(last_not_above(triangles_, number));
+  }
+  int rank_of_site(GlobalIndex number) const { return rank_of_slab(slab_of_site(number)); }
+  int rank_of_triangle(GlobalIndex number) const { return rank_of_slab(slab_of_triangle(number)); }
+
+private:
+  /// Where offsets repeat, the last is the one that is not empty.
+  template <class T> static std::ptrdiff_t last_not_above(const std::vector<T> &offsets, T value) {
+    return std::upper_bound(offsets.begin(), offsets.end(), value) - offsets.begin() - 1;
+  }
+
+  const std::vector<GlobalIndex> &sites_;
+  const std::vector<GlobalIndex> &triangles_;
+  std::vector<int> first_slabs_;
+};
+
+/// Collective: every item goes to the rank that `rank_of` names; returns what came here.
+template <Bulk T, class RankOf>
+std::vector<T> deliver(const Communicator &comm, const std::vector<T> &items, RankOf &&rank_of) {
+  std::vector<std::pair<int, std::size_t>> order;
+  order.reserve(items.size());
+  for (std::size_t i = 0; i < items.size(); ++i)
+    order.emplace_back(rank_of(items[i]), i);
+  std::sort(order.begin(), order.end());
+  std::vector<T> sorted;
+  sorted.reserve(items.size());
+  std::vector<std::pair<int, std::size_t>> begins; // of every rank's letter
+  for (const auto &[rank, i] : order) {
+    if (begins.empty() || begins.back().first != rank)
+      begins.emplace_back(rank, sorted.size());
+    sorted.push_back(items[i]);
+  }
+  std::vector<Outgoing<T>> letters;
+  for (std::size_t k = 0; k < begins.size(); ++k) {
+    const std::size_t end = k + 1 < begins.size() ? begins[k + 1].second : sorted.size();
+    letters.push_back(
+        {begins[k].first, std::span<const T>(sorted).subspan(begins[k].second, end - begins[k].second)});
+  }
+  std::vector<T> received;
+  for (const Incoming<T> &letter : sparse_exchange<T>(comm, letters))
+    received.insert(received.end(), letter.data.begin(), letter.data.end());
+  return received;
+}
+
+/// Global number of a slab's vertex.
+inline GlobalIndex number_of(const SlabMesh &slab, LocalIndex v) {
+  return v < slab.own_count ? slab.first_site + v : slab.ghost_number[at(v - slab.own_count)];
+}
+
+/// A side of a slab's triangle: from `from` to `to` is counter-clockwise, `apex` is across.
+struct Side {
+  LocalIndex from, to, apex;
+};
+inline Side side_of(const SlabMesh &slab, LocalIndex side) {
+  const LocalIndex base = side - side % 3;
+  const std::vector<LocalIndex> &corners = slab.triangles.corners;
+  return {corners[at(base + (side + 1) % 3)], corners[at(base + (side + 2) % 3)], corners[at(side)]};
+}
+
+inline Point point_of(const SlabMesh &slab, LocalIndex v) { return slab.vertices.points[at(v)]; }
+
+/// The z of a slab's vertices, or nullptr.
+const std::vector<double> *z_of(const PointTable &table);
+
+/// "slab 3, triangle 12 (sites 4, 5, 6)", in global numbers.
+std::string place_of(const SlabMesh &slab, int s, LocalIndex triangle);
+
+// The parts. All are Collective and add to `findings`; those after the first need a sound layout.
+
+/// Returns the first slab of every rank and the number of slabs, or nothing, on all ranks alike, if array
+/// sizes and index ranges do not fit together.
+std::vector<int> check_layout(const Communicator &comm, const DistributedMesh &mesh, Findings &findings);
+/// False, on all ranks alike, if a coordinate is not finite: no predicate may see it.
+bool check_coordinates(const Communicator &comm, const DistributedMesh &mesh, Findings &findings);
+void check_order_and_lines(const Communicator &comm, const DistributedMesh &mesh, Findings &findings);
+/// Every triangle's orientation and slab, every inner edge but those on borders.
+void check_triangles(const DistributedMesh &mesh, Findings &findings);
+void check_borders(const Communicator &comm, const DistributedMesh &mesh, const Ownership &owners,
+                   Findings &findings);
+void check_hull(const Communicator &comm, const DistributedMesh &mesh, const Ownership &owners,
+                Findings &findings);
+void check_ghosts_and_use(const Communicator &comm, const DistributedMesh &mesh, const Ownership &owners,
+                          Findings &findings);
+void check_paths(const Communicator &comm, const DistributedMesh &mesh, const Ownership &owners,
+                 Findings &findings);
+/// In place of triangles, borders, hull: there are none.
+void check_collinear(const Communicator &comm, const DistributedMesh &mesh, Findings &findings);
+void check_checksum(const Communicator &comm, const DistributedMesh &mesh, Findings &findings);
+void check_duplicates_and_digest(const Communicator &comm, const DistributedMesh &mesh, Findings &findings);
+void check_input(const Communicator &comm, const DistributedMesh &mesh, const PointTable &points,
+                 Findings &findings);
+
+} // namespace dovetail::validation
