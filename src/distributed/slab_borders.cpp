@@ -7,6 +7,7 @@
 #include "sort_points.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <memory>
 #include <numeric>
 
@@ -97,11 +98,11 @@ void redistribute(const Communicator &comm, PointTable &table, Axis axis,
       for (Attribute &attribute : table.attributes)
         attribute.values.reserve(size);
     }
-    return std::make_unique_for_overwrite<Point[]>(size);
+    return std::make_unique_for_overwrite<std::byte[]>(size * sizeof(Point));
   });
   std::vector<std::uint32_t> order;
   const auto send_column = [&]<class Value>(std::vector<Value> &column) {
-    static_assert(sizeof(Value) <= sizeof(Point) && alignof(Value) <= alignof(Point));
+    static_assert(sizeof(Value) <= sizeof(Point));
     const std::span arrived(reinterpret_cast<Value *>(buffer.get()), size);
     exchange_into<Value>(comm, column, send_counts, arrived, receive_counts);
     return arrived;
