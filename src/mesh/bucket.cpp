@@ -1,5 +1,8 @@
 #include "bucket.hpp"
 
+#include "merge.hpp"
+#include "smallest_parts.hpp"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -60,8 +63,7 @@ void BucketKernel::gather() {
     low_ = {std::min(low_.x, p.x), std::min(low_.y, p.y)};
     high_ = {std::max(high_.x, p.x), std::max(high_.y, p.y)};
   }
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  points_[n] = {nan, nan};
+  points_[n] = far_away;
 }
 
 /// A counting sort by the cells of a grid, numbered so that halving a range of cells is a cut across the
@@ -146,6 +148,8 @@ Hull BucketKernel::conquer_few(Vertex first, Vertex count) {
     return sphere_.two_sites(first);
   if (count == 3)
     return sphere_.three_sites(first);
+  if (Hull hull; count == 4 && sphere_.four_sites(first, hull))
+    return hull;
   Point low = *point(first);
   Point high = low;
   for (Vertex v = first + 1; v < first + count; ++v) {

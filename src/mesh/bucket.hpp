@@ -2,7 +2,7 @@
 /// to divide and conquer.
 #pragma once
 
-#include "merge.hpp"
+#include "sphere.hpp"
 
 #include <span>
 #include <vector>

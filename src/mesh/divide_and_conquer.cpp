@@ -3,6 +3,7 @@
 #include "bucket.hpp"
 #include "dovetail/base/error.hpp"
 #include "median_tree.hpp"
+#include "merge.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -22,10 +23,7 @@ constexpr std::size_t bucket_sites = 8192;
 struct FarSites {
   const Point *sites;
   const LocalIndex *order;
-  Point operator[](Vertex v) const {
-    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    return v == far_ghost ? Point{nan, nan} : sites[order[v]];
-  }
+  Point operator[](Vertex v) const { return v == far_ghost ? far_away : sites[order[v]]; }
 };
 
 /// Merges the leaves of the first cuts.

@@ -1,323 +1,247 @@
-/// The merge of Guibas and Stolfi over triangles with ghosts: private to divide and conquer.
+/// The merge of Guibas and Stolfi over triangles with ghosts. Private to divide and conquer.
 ///
-/// A part of n >= 2 sites is kept as a triangulated *sphere*: every directed hull edge has a ghost triangle
-/// beyond it, whose third corner is the one point at infinity, written `ghost_vertex`. By Euler's relation
-/// such a sphere has exactly 2n - 2 triangles, whether the sites are collinear or not. So the part of sites
-/// [s, s + n) owns the triangles [2s, 2s + 2n - 2), nothing is ever allocated, and a merge finds the two
-/// triangles it must add lying free between its parts: 2(s + n_left) - 2 and 2(s + n_left) - 1.
+/// Two parts that a line separates are zipped from the lower tangent to the upper one (lower and upper as
+/// seen with the separating direction to the right). The base l -> r is always a Delaunay edge of the union,
+/// and all below it is done. Beyond the base lies the seam, between two chains of edges:
 ///
-/// A half-edge is 3 * triangle + i. `origin[h]` is the vertex it leaves, `twin[h]` the opposite half-edge;
-/// around a triangle they follow each other counter-clockwise. A ghost beyond the hull edge u -> v (the hull
-/// seen counter-clockwise, the sites on its left) always begins with the half-edge on that edge:
+///         left chain            right chain
+///                \    seam    /                  Every edge of a chain has behind it (away from the seam)
+///      left apex  \          /   right apex      a triangle of its part with its apex, or a ghost, and in
+///           .      p        q      .             front of it one triangle that is to be replaced: at first
+///                  |\      /|                    the ghost of a hull edge.
+///                  | \    / |
+///                  |  l--r  |                    p is the next site of the left chain, q of the right.
+///                      ^ below
 ///
-///            infinity                     origin           twin
-///             /    \            h + 0:    v                the half-edge u -> v inside
-///     h + 2  /      \  h + 1    h + 1:    u                second of the ghost before, which ends at u
-///           v ------ u          h + 2:    infinity         first of the ghost after, which begins at v
-///             h + 0
+/// Each turn of the loop does one of these:
+///   - p is above the base and the left apex is inside the circle of l, r, p: the triangle behind l -> p
+///     cannot stay. Uncover it: the chain now goes l, apex, p. One edge and one triangle more are in front.
+///   - the same on the right.
+///   - otherwise the circle of l, r and p (or q) is empty; of two such the one that has the other site inside
+///     is not. Zip: the triangle in front of the edge becomes l, r, p; its upper side is the next base.
+///   - neither p nor q is above the base: it is the upper tangent.
+/// Triangles in front balance with edges of the chains, so the new triangles always find their places, and
+/// just the two ghosts of the tangents are new.
 ///
-/// so a ghost is named by its h + 0, the ghost after it is twin[h + 2] - 1 and the one before twin[h + 1]
-/// - 2.
+/// Why uncovering needs no test that the apex is above the base: below the base, the circle of l, r and a p
+/// above lies within the empty circle that certified the base.
+///
+/// What a merge needs of its parts: some direction, perhaps infinitesimally turned, puts all of the left
+/// before all of the right, and the vertex of the left that comes last in this direction and that of the
+/// right that comes first are given. The orders (x, y) and (y, x) are such directions, x + epsilon y and y +
+/// epsilon x; everything else is decided by orientations, which know no axes.
 #pragma once
 
-#include "dovetail/geometry/predicates.hpp"
-#include "sight.hpp"
-
-#include <cstdint>
-#include <utility>
+#include "sphere.hpp"
 
 namespace dovetail::divide_and_conquer {
 
-using Vertex = LocalIndex;
-using HalfEdge = LocalIndex;
-
-/// The ghosts that begin at the four extreme vertices of a part, by each of the two orders of cutting.
-struct Hull {
-  HalfEdge first[2]; ///< [0]: at the least vertex by (x, y), [1]: by (y, x)
-  HalfEdge last[2];  ///< at the greatest
+/// The lowest edge of a chain. side 0 is the left chain, side 1 the right one.
+struct Rim {
+  HalfEdge front;  ///< the triangle to be replaced; it has the layout of a ghost
+  HalfEdge inner;  ///< the half-edge behind it: from l to next, or from next to r
+  HalfEdge behind; ///< its triangle
+  Vertex next;
+  Vertex apex;
 };
 
-constexpr bool less_along(Point a, Point b, unsigned axis) {
-  return axis == 0 ? lexicographically_less(a, b) : a.y < b.y || (a.y == b.y && a.x < b.x);
-}
+/// The half-edge of a ghost that leads up the chain, from ghost to ghost: the left chain is followed as the
+/// hull is, counter-clockwise, the right one clockwise. In a new triangle l, r, next it is the side on the
+/// chain.
+template <unsigned side> inline constexpr HalfEdge link = side == 0 ? 2 : 1;
 
-/// Sites: what gives a Point for a Vertex, not-a-number for `ghost`.
-template <class Sites> struct Sphere {
-  Sites site;
-  Vertex *origin;
-  HalfEdge *twin;
-  Vertex ghost_vertex; ///< the point at infinity
-  double guard;        ///< of the filter: see sight.hpp
+template <class Sites> struct Seam {
+  const Sphere<Sites> &sphere;
 
-  static HalfEdge triangle_of(HalfEdge h) {
-    return static_cast<HalfEdge>(static_cast<std::uint32_t>(h) / 3 * 3);
+  /// Looks behind the chain.
+  template <unsigned side> void survey(Rim &rim) const {
+    rim.next = sphere.origin[rim.front + static_cast<HalfEdge>(side)];
+    rim.inner = sphere.twin[rim.front];
+    rim.behind = sphere.triangle_of(rim.inner);
+    rim.apex = sphere.origin[sphere.before(rim.inner, rim.behind)];
   }
-  static HalfEdge after(HalfEdge h, HalfEdge triangle) { return h == triangle + 2 ? triangle : h + 1; }
-  static HalfEdge before(HalfEdge h, HalfEdge triangle) { return h == triangle ? triangle + 2 : h - 1; }
-  HalfEdge ghost_after(HalfEdge ghost) const { return twin[ghost + 2] - 1; }
-  HalfEdge ghost_before(HalfEdge ghost) const { return twin[ghost + 1] - 2; }
 
-  void join(HalfEdge a, HalfEdge b) const {
-    twin[a] = b;
-    twin[b] = a;
+  /// Opens the triangle behind: it takes the place in front of the edge to its apex, and what was in front
+  /// before stays in front of the edge from there to `next`. `end` is l or r.
+  template <unsigned side> void uncover(Rim &rim, Vertex end) const {
+    const HalfEdge next_side =
+        side == 0 ? sphere.after(rim.inner, rim.behind) : sphere.before(rim.inner, rim.behind);
+    const HalfEdge end_side =
+        side == 0 ? sphere.before(rim.inner, rim.behind) : sphere.after(rim.inner, rim.behind);
+    sphere.join(rim.front, sphere.twin[next_side]);
+    sphere.join(rim.behind, sphere.twin[end_side]);
+    if constexpr (side == 0)
+      sphere.set_ghost(rim.behind, end, rim.apex);
+    else
+      sphere.set_ghost(rim.behind, rim.apex, end);
+    sphere.twin[rim.behind + link<side>] = rim.front + 3 - link<side>;
+    rim.front = rim.behind;
   }
-  void chain(HalfEdge ghost, HalfEdge after) const { join(ghost + 2, after + 1); }
-  void set_origins(HalfEdge triangle, Vertex a, Vertex b, Vertex c) const {
-    origin[triangle] = a;
-    origin[triangle + 1] = b;
-    origin[triangle + 2] = c;
-  }
-  /// The ghost beyond the hull edge u -> v.
-  void set_ghost(HalfEdge ghost, Vertex u, Vertex v) const { set_origins(ghost, v, u, ghost_vertex); }
 
-  bool turns_left(Vertex a, Vertex b, Vertex c) const {
-    return orientation(site[a], site[b], site[c]) == Sign::positive;
+  /// Makes the triangle in front l, r, next and goes on along the chain. `below` is its side next to be built
+  /// on.
+  template <unsigned side> void zip(Rim &rim, Vertex l, Vertex r, HalfEdge &below) const {
+    const HalfEdge triangle = rim.front;
+    rim.front = sphere.twin[triangle + link<side>] - (3 - link<side>);
+    sphere.set_origins(triangle, l, r, rim.next);
+    sphere.join(triangle, below);
+    sphere.join(triangle + link<side>, rim.inner);
+    below = triangle + 3 - link<side>;
   }
-  bool turns_right(Vertex a, Vertex b, Vertex c) const {
-    return orientation(site[a], site[b], site[c]) == Sign::negative;
-  }
-  bool is_above(Vertex l, Vertex r, Vertex p, Sight seen) const {
-    const double bound = height_bound(seen, guard);
-    return seen.im > bound || (!(seen.im < -bound) && turns_left(l, r, p));
-  }
-  /// Is q inside the circle of l, r and p, which is above l -> r? False for the ghost vertex.
-  bool is_inside(Vertex l, Vertex r, Vertex p, Sight p_seen, Vertex q, Sight q_seen) const {
-    const double determinant = circle_determinant(p_seen, q_seen);
-    const double bound = circle_bound(p_seen, q_seen, guard);
-    return determinant > bound ||
-           (!(determinant < -bound) && q != ghost_vertex && is_inside_exactly(l, r, p, q));
-  }
-  bool is_inside_exactly(Vertex l, Vertex r, Vertex p, Vertex q) const;
-
-  Hull two_sites(Vertex a) const;
-  Hull three_sites(Vertex a) const;
-  Hull merge(const Hull &left, const Hull &right, unsigned axis, HalfEdge spare) const;
-
-private:
-  Hull chain_of_three(HalfEdge base, Vertex a, Vertex b, Vertex c) const;
 };
 
-template <class Sites> Hull Sphere<Sites>::two_sites(Vertex a) const {
-  const Vertex b = a + 1;
-  const HalfEdge ab = 6 * a;
-  const HalfEdge ba = ab + 3;
-  set_ghost(ab, a, b);
-  set_ghost(ba, b, a);
-  join(ab, ba);
-  chain(ab, ba);
-  chain(ba, ab);
-  Hull hull;
-  for (unsigned axis = 0; axis < 2; ++axis) {
-    const bool ascending = less_along(site[a], site[b], axis);
-    hull.first[axis] = ascending ? ab : ba;
-    hull.last[axis] = ascending ? ba : ab;
-  }
-  return hull;
-}
+/// The ghosts that begin at the ends of the lower tangent: all `left` must come before all `right`.
+struct Tangent {
+  HalfEdge left;
+  HalfEdge right;
+};
 
-/// Three collinear sites, b in the middle.
-template <class Sites> Hull Sphere<Sites>::chain_of_three(HalfEdge base, Vertex a, Vertex b, Vertex c) const {
-  const HalfEdge ab = base;
-  const HalfEdge bc = base + 3;
-  const HalfEdge cb = base + 6;
-  const HalfEdge ba = base + 9;
-  set_ghost(ab, a, b);
-  set_ghost(bc, b, c);
-  set_ghost(cb, c, b);
-  set_ghost(ba, b, a);
-  join(ab, ba);
-  join(bc, cb);
-  chain(ab, bc);
-  chain(bc, cb);
-  chain(cb, ba);
-  chain(ba, ab);
-  Hull hull;
-  for (unsigned axis = 0; axis < 2; ++axis) {
-    const bool ascending = less_along(site[a], site[c], axis);
-    hull.first[axis] = ascending ? ab : cb;
-    hull.last[axis] = ascending ? cb : ab;
-  }
-  return hull;
-}
-
-template <class Sites> Hull Sphere<Sites>::three_sites(Vertex first) const {
-  Vertex a = first;
-  Vertex b = first + 1;
-  Vertex c = first + 2;
-  const HalfEdge base = 6 * first;
-  const Sign turn = orientation(site[a], site[b], site[c]);
-  if (turn == Sign::zero) {
-    if (lexicographically_less(site[b], site[a]))
-      std::swap(a, b);
-    if (lexicographically_less(site[c], site[b]))
-      std::swap(b, c);
-    if (lexicographically_less(site[b], site[a]))
-      std::swap(a, b);
-    return chain_of_three(base, a, b, c);
-  }
-  if (turn == Sign::negative)
-    std::swap(b, c);
-  const HalfEdge ab = base + 3;
-  const HalfEdge bc = base + 6;
-  const HalfEdge ca = base + 9;
-  set_origins(base, a, b, c);
-  set_ghost(ab, a, b);
-  set_ghost(bc, b, c);
-  set_ghost(ca, c, a);
-  join(base, ab);
-  join(base + 1, bc);
-  join(base + 2, ca);
-  chain(ab, bc);
-  chain(bc, ca);
-  chain(ca, ab);
-  Hull hull;
-  for (unsigned axis = 0; axis < 2; ++axis) {
-    HalfEdge least = ab;
-    HalfEdge greatest = ab;
-    for (const HalfEdge ghost : {bc, ca}) {
-      if (less_along(site[origin[ghost + 1]], site[origin[least + 1]], axis))
-        least = ghost;
-      if (less_along(site[origin[greatest + 1]], site[origin[ghost + 1]], axis))
-        greatest = ghost;
+/// From a pair of vertices that certainly see each other downwards. Ties stay at the nearer vertex, so that
+/// no site lies on the tangent between its ends.
+template <class Sites> Tangent lower_tangent(const Sphere<Sites> &sphere, HalfEdge left, HalfEdge right) {
+  Vertex l = sphere.begin_of(left);
+  Vertex r = sphere.begin_of(right);
+  for (bool moved = true; moved;) {
+    moved = false;
+    for (HalfEdge before = sphere.ghost_before(left);
+         sphere.turn(l, r, sphere.begin_of(before)) == Sign::negative; before = sphere.ghost_before(left)) {
+      left = before;
+      l = sphere.begin_of(left);
+      moved = true;
     }
-    hull.first[axis] = least;
-    hull.last[axis] = greatest;
+    while (sphere.turn(l, r, sphere.end_of(right)) == Sign::negative) {
+      r = sphere.end_of(right);
+      right = sphere.ghost_after(right);
+      moved = true;
+    }
   }
-  return hull;
+  return {left, right};
 }
 
-template <class Sites> bool Sphere<Sites>::is_inside_exactly(Vertex l, Vertex r, Vertex p, Vertex q) const {
-  return in_circle(site[l], site[r], site[p], site[q]) == Sign::positive;
-}
-
-/// Zips two parts together. Every site of `left` must be less than every site of `right` in the order of
+/// Zips two parts together. Every site of `left` must come before every site of `right` in the order of
 /// `axis`; `spare` is the first of the two free triangles.
 template <class Sites>
 Hull Sphere<Sites>::merge(const Hull &left, const Hull &right, unsigned axis, HalfEdge spare) const {
-  // The lower tangent, from the pair of vertices that certainly see each other. Ties stay at the nearer
-  // vertex, so that no site lies on the tangent between its ends.
-  HalfEdge left_rim = left.last[axis];    // begins at l
-  HalfEdge right_rim = right.first[axis]; // begins at r
-  Vertex l = origin[left_rim + 1];
-  Vertex r = origin[right_rim + 1];
-  const Vertex extreme[4] = {origin[left.first[0] + 1], origin[left.first[1] + 1], origin[left.last[0] + 1],
-                             origin[left.last[1] + 1]};
-  const Vertex extreme_right[4] = {origin[right.first[0] + 1], origin[right.first[1] + 1],
-                                   origin[right.last[0] + 1], origin[right.last[1] + 1]};
-  for (bool moved = true; moved;) {
-    moved = false;
-    for (HalfEdge before = ghost_before(left_rim); turns_right(l, r, origin[before + 1]);
-         before = ghost_before(left_rim)) {
-      left_rim = before;
-      l = origin[before + 1];
-      moved = true;
-    }
-    while (turns_right(l, r, origin[right_rim])) {
-      r = origin[right_rim];
-      right_rim = ghost_after(right_rim);
-      moved = true;
-    }
-  }
-  const HalfEdge hull_before = ghost_before(left_rim); // ends at the lower l
-  const HalfEdge hull_after = right_rim;               // begins at the lower r
+  const unsigned other = 1 - axis;
+  // The extremes of the union. Along the cut they are known; only in the other order must sites be compared.
+  const bool first_is_left =
+      less_along(site[begin_of(left.first[other])], site[begin_of(right.first[other])], other);
+  const bool last_is_left =
+      less_along(site[begin_of(right.last[other])], site[begin_of(left.last[other])], other);
+  Hull hull;
+  hull.first[axis] = left.first[axis];
+  hull.last[axis] = right.last[axis];
+  hull.first[other] = first_is_left ? left.first[other] : right.first[other];
+  hull.last[other] = last_is_left ? left.last[other] : right.last[other];
+  const Vertex first_axis = begin_of(hull.first[axis]), first_other = begin_of(hull.first[other]);
+  const Vertex last_axis = begin_of(hull.last[axis]), last_other = begin_of(hull.last[other]);
+  const Point low_axis = site[first_axis], high_axis = site[last_axis];
+  const Point low_other = site[first_other], high_other = site[last_other];
+  const double width = axis == 0 ? high_axis.x - low_axis.x : high_axis.y - low_axis.y;
+  const double height = axis == 0 ? high_other.y - low_other.y : high_other.x - low_other.x;
+  const double greatest_z = width * width + height * height;
+  const Bounds bounds = bounds_for(greatest_z, greatest_z, guard);
+  const Pair height_bound{bounds.height, bounds.height};
+  const Pair circle_bound{bounds.circle, bounds.circle};
+
+  const Tangent tangent = lower_tangent(*this, left.last[axis], right.first[axis]);
+  const HalfEdge hull_before = ghost_before(tangent.left);
   const HalfEdge bottom = spare;
   const HalfEdge top = spare + 3;
-  const Vertex bottom_l = l;
-  set_ghost(bottom, l, r);
-  HalfEdge below = bottom;
+  const Vertex bottom_l = begin_of(tangent.left);
+  Vertex l = bottom_l;
+  Vertex r = begin_of(tangent.right);
+  Rim rim_l{}, rim_r{};
+  rim_l.front = tangent.left;
+  rim_r.front = ghost_before(tangent.right);
   // A part that is a mere segment can be used up on both sides, back to where it began. Its chain then comes
   // to the bottom ghost, whose far vertex is never above the base.
-  right_rim = ghost_before(right_rim);
+  set_ghost(bottom, l, r);
+  twin[bottom] = bottom;
   chain(hull_before, bottom);
-  chain(bottom, hull_after);
+  chain(bottom, tangent.right);
+  HalfEdge below = bottom;
 
-  // left_rim and right_rim are heads of two chains of triangles to be replaced, each beyond one edge of the
-  // upward boundary: l -> origin[left_rim], and origin[right_rim + 1] -> r.
-  Point at_l = site[l];
-  Point at_r = site[r];
+  const Seam<Sites> seam{*this};
+  seam.template survey<0>(rim_l);
+  seam.template survey<1>(rim_r);
+  const auto lanes = [](double a, double b) { return Pair{a, b}; };
+  Point at_l = site[l], at_r = site[r];
+  Pair lx = lanes(at_l.x, at_l.x), ly = lanes(at_l.y, at_l.y);
+  Pair rx = lanes(at_r.x, at_r.x), ry = lanes(at_r.y, at_r.y);
   for (;;) {
-    Vertex left_next = origin[left_rim];
-    Vertex right_next = origin[right_rim + 1];
-    Sight left_seen = look(site[left_next], at_l, at_r);
-    Sight right_seen = look(site[right_next], at_l, at_r);
-    const bool left_valid = is_above(l, r, left_next, left_seen);
-    const bool right_valid = is_above(l, r, right_next, right_seen);
-    if (left_valid) {
-      for (;;) {
-        const HalfEdge inner = twin[left_rim];
-        const HalfEdge triangle = triangle_of(inner);
-        const Vertex apex = origin[before(inner, triangle)];
-        const Sight seen = look(site[apex], at_l, at_r);
-        if (!is_inside(l, r, left_next, left_seen, apex, seen))
-          break;
-        join(left_rim, twin[after(inner, triangle)]);
-        join(triangle, twin[before(inner, triangle)]);
-        set_ghost(triangle, l, apex);
-        twin[triangle + 2] = left_rim + 1;
-        left_rim = triangle;
-        left_next = apex;
-        left_seen = seen;
+    const Point next_l = site[rim_l.next], next_r = site[rim_r.next];
+    const Point apex_l = site[rim_l.apex], apex_r = site[rim_r.apex];
+    const SightPair next = look(lanes(next_l.x, next_r.x), lanes(next_l.y, next_r.y), lx, ly, rx, ry);
+    const SightPair apex = look(lanes(apex_l.x, apex_r.x), lanes(apex_l.y, apex_r.y), lx, ly, rx, ry);
+    const Pair circle = circle_determinant(next, apex);
+    unsigned above = lanes_above(next.im, height_bound);
+    unsigned inside = lanes_above(circle, circle_bound);
+    unsigned bare = 0; // lanes with a ghost behind, where the filter cannot know
+    if ((above | lanes_above(-next.im, height_bound)) != 3) [[unlikely]] {
+      above = (turn(l, r, rim_l.next) == Sign::positive ? 1U : 0U) |
+              (turn(l, r, rim_r.next) == Sign::positive ? 2U : 0U);
+      // The sign of the height, which is not certain here, is all that tells that infinity is outside.
+      bare = (rim_l.apex == infinity ? 1U : 0U) | (rim_r.apex == infinity ? 2U : 0U);
+    }
+    const unsigned asked = above & ~bare;
+    const unsigned unsure = asked & ~(inside | lanes_above(-circle, circle_bound));
+    inside &= asked;
+    if (unsure != 0) [[unlikely]] {
+      if ((unsure & 1) != 0 && is_inside(l, r, rim_l.next, rim_l.apex))
+        inside |= 1;
+      if ((unsure & 2) != 0 && is_inside(l, r, rim_r.next, rim_r.apex))
+        inside |= 2;
+    }
+    if (inside != 0) {
+      if ((inside & 1) != 0) {
+        seam.template uncover<0>(rim_l, l);
+        seam.template survey<0>(rim_l);
       }
-    } else if (!right_valid) {
+      if ((inside & 2) != 0) {
+        seam.template uncover<1>(rim_r, r);
+        seam.template survey<1>(rim_r);
+      }
+      continue;
+    }
+    bool take_right = above == 2;
+    if (above == 3) {
+      const double determinant = next.re[0] * next.im[1] - next.re[1] * next.im[0];
+      take_right = determinant > bounds.circle;
+      if (!(std::fabs(determinant) > bounds.circle)) [[unlikely]]
+        take_right = is_inside(l, r, rim_l.next, rim_r.next);
+    } else if (above == 0) {
       break;
     }
-    if (right_valid) {
-      for (;;) {
-        const HalfEdge inner = twin[right_rim];
-        const HalfEdge triangle = triangle_of(inner);
-        const Vertex apex = origin[before(inner, triangle)];
-        const Sight seen = look(site[apex], at_l, at_r);
-        if (!is_inside(l, r, right_next, right_seen, apex, seen))
-          break;
-        join(right_rim, twin[before(inner, triangle)]);
-        join(triangle, twin[after(inner, triangle)]);
-        set_ghost(triangle, apex, r);
-        twin[triangle + 1] = right_rim + 2;
-        right_rim = triangle;
-        right_next = apex;
-        right_seen = seen;
-      }
-    }
-    if (!left_valid || (right_valid && is_inside(l, r, left_next, left_seen, right_next, right_seen))) {
-      const HalfEdge triangle = right_rim;
-      const HalfEdge inner = twin[triangle];
-      right_rim = ghost_before(triangle);
-      set_origins(triangle, l, r, right_next);
-      join(triangle, below);
-      join(triangle + 1, inner);
-      below = triangle + 2;
-      r = right_next;
-      at_r = site[r];
+    if (take_right) {
+      seam.template zip<1>(rim_r, l, r, below);
+      r = rim_r.next;
+      rx = lanes(next_r.x, next_r.x);
+      ry = lanes(next_r.y, next_r.y);
+      seam.template survey<1>(rim_r);
     } else {
-      const HalfEdge triangle = left_rim;
-      const HalfEdge inner = twin[triangle];
-      left_rim = ghost_after(triangle);
-      set_origins(triangle, l, r, left_next);
-      join(triangle, below);
-      join(triangle + 2, inner);
-      below = triangle + 1;
-      l = left_next;
-      at_l = site[l];
+      seam.template zip<0>(rim_l, l, r, below);
+      l = rim_l.next;
+      lx = lanes(next_l.x, next_l.x);
+      ly = lanes(next_l.y, next_l.y);
+      seam.template survey<0>(rim_l);
     }
   }
   set_ghost(top, r, l);
   join(top, below);
-  chain(right_rim, top);
-  chain(top, left_rim);
+  chain(rim_r.front, top);
+  chain(top, rim_l.front);
 
-  // A ghost that began at an end of a tangent may be gone; the tangent's own begins there now.
-  const HalfEdge left_ghost[4] = {left.first[0], left.first[1], left.last[0], left.last[1]};
-  const HalfEdge right_ghost[4] = {right.first[0], right.first[1], right.last[0], right.last[1]};
-  HalfEdge result[4];
-  for (unsigned i = 0; i < 4; ++i) {
-    const bool order = less_along(site[extreme[i]], site[extreme_right[i]], i % 2);
-    const bool from_left = i < 2 ? order : !order;
-    if (from_left)
-      result[i] = extreme[i] == bottom_l ? bottom : left_ghost[i];
-    else
-      result[i] = extreme_right[i] == r ? top : right_ghost[i];
-  }
-  return {{result[0], result[1]}, {result[2], result[3]}};
+  // A ghost that began at an end of a tangent may be gone; the tangent's own begins there now. (If all sites
+  // are collinear the ends of the tangent are no extremes.)
+  const auto renewed = [&](HalfEdge ghost, Vertex v) {
+    return v == bottom_l ? bottom : v == r ? top : ghost;
+  };
+  hull.first[axis] = renewed(hull.first[axis], first_axis);
+  hull.first[other] = renewed(hull.first[other], first_other);
+  hull.last[axis] = renewed(hull.last[axis], last_axis);
+  hull.last[other] = renewed(hull.last[other], last_other);
+  return hull;
 }
 
 } // namespace dovetail::divide_and_conquer

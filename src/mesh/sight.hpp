@@ -1,26 +1,29 @@
-/// How a site sees the base of a merge: the filter of divide and conquer.
+/// How a site sees the base of a merge: the filter of divide and conquer. Private to it.
 ///
-/// Take the plane as complex numbers. For a base l -> r and a site p above it let
+/// Take the plane as complex numbers. For a base l -> r and a site p let
 ///
 ///     z(p) = conj(p - l) (p - r) = |p - l| |p - r| (cos s + i sin s),
 ///
 /// where s is the angle under which p sees the base. Its imaginary part is the orientation determinant of l,
 /// r, p. Of two sites above the base, the one that sees it under the larger angle lies inside the circle of
-/// the other, so the in-circle determinant is that of a 2 x 2 matrix:
+/// the other; so the in-circle determinant is that of a 2 x 2 matrix,
 ///
-///     in_circle(l, r, p, q) = Re z(p) Im z(q) - Re z(q) Im z(p)      (for every q, above or below)
+///     in_circle(l, r, p, q) = Re z(p) Im z(q) - Re z(q) Im z(p)      (for every q, above or below).
 ///
-/// A merge asks up to three such questions about four sites and one base; each site is looked at once, with
-/// ten operations, and each question then costs three. The bound comes as cheaply. Let u = 2^-53 and
-/// |z|_1 = |Re z| + |Im z| >= |p - l| |p - r|. The differences have the relative error u, so each of the four
-/// products has 3u and each part of z is wrong by at most 4u |p - l| |p - r| <= 4u |z|_1 (higher orders of u
-/// aside). A product of two such parts is then wrong by at most 9u, their difference by
-/// 19u |z(p)|_1 |z(q)|_1; the constants 8u and 32u below leave room for the higher orders and for computing
-/// the bounds from rounded parts.
+/// A step of a merge asks up to three such questions about four sites and one base. Each site is looked at
+/// once, with ten operations, and then every question costs three; the general predicate would take about
+/// thirty for each. Both sides of the seam are looked at together, in the two lanes of a vector.
 ///
-/// Products that underflow lose at most 2^-1074 each, which the other factor scales: with coordinates at most
-/// 2^200 every |z|_1 is under 2^404, so a guard of 2^-600 covers it. Larger coordinates get an infinite
-/// guard, and the general predicates decide everything.
+/// Bounds. Let u = 2^-53. The differences have the relative error u, so each of the four products has 3u and
+/// each part of z is wrong by at most 4u |p - l| |p - r| (higher orders of u aside). A product of two such
+/// parts is then wrong by at most 9u |z(p)| |z(q)|, the determinant by 20u |z(p)| |z(q)|. Within a part of
+/// diameter d every |z| is at most d^2: 8u d^2 and 32u d^4 bound what happens in a whole merge, and leave
+/// room for higher orders and for the rounding of d. Long seams are fine at the bottom, where nearly all
+/// steps are; where they decide too little, the same with |Re z| + |Im z| >= |z| for d^2 decides nearly all.
+///
+/// Underflow: a product loses at most 2^-1075, scaled afterwards by the other factor. With coordinates up to
+/// 2^200 every |z| is under 2^404, so a guard of 2^-600 covers it. Larger coordinates get an infinite guard,
+/// and the general predicates decide everything.
 #pragma once
 
 #include "dovetail/base/types.hpp"
@@ -28,27 +31,60 @@
 #include <cmath>
 #include <limits>
 
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 namespace dovetail::divide_and_conquer {
-
-struct Sight {
-  double re;
-  double im;
-  double size() const { return std::fabs(re) + std::fabs(im); }
-};
-
-inline Sight look(Point p, Point l, Point r) {
-  const double xl = p.x - l.x, yl = p.y - l.y;
-  const double xr = p.x - r.x, yr = p.y - r.y;
-  return {xl * xr + yl * yr, xl * yr - yl * xr};
-}
 
 inline constexpr double greatest_filtered_coordinate = 0x1p200;
 inline constexpr double sight_guard = 0x1p-600;
 inline constexpr double no_filter = std::numeric_limits<double>::infinity();
 
-/// Positive only if p is certainly above the base, negative only if certainly below.
-inline double height_bound(Sight p, double guard) { return 0x1p-50 * p.size() + guard; }
-inline double circle_bound(Sight p, Sight q, double guard) { return 0x1p-48 * (p.size() * q.size()) + guard; }
-inline double circle_determinant(Sight p, Sight q) { return p.re * q.im - q.re * p.im; }
+/// Stands in for the point at infinity: so far from all filtered coordinates that the filter certifies it
+/// outside of every circle over a base.
+inline constexpr Point far_away{0x1p400, 0.0};
+
+/// Lane 0 belongs to the left side of the seam, lane 1 to the right.
+typedef double Pair __attribute__((vector_size(16)));
+
+/// One bit a lane: is it above the bound?
+inline unsigned lanes_above(Pair value, Pair bound) {
+#ifdef __SSE2__
+  return static_cast<unsigned>(_mm_movemask_pd(value > bound));
+#else
+  return (value[0] > bound[0] ? 1U : 0U) | (value[1] > bound[1] ? 2U : 0U);
+#endif
+}
+
+template <class Number> struct SightOf {
+  Number re;
+  Number im;
+};
+using Sight = SightOf<double>;
+using SightPair = SightOf<Pair>;
+
+template <class Number>
+SightOf<Number> look(Number px, Number py, Number lx, Number ly, Number rx, Number ry) {
+  const Number from_lx = px - lx, from_ly = py - ly;
+  const Number from_rx = px - rx, from_ry = py - ry;
+  return {from_lx * from_rx + from_ly * from_ry, from_lx * from_ry - from_ly * from_rx};
+}
+
+inline Sight look(Point p, Point l, Point r) { return look(p.x, p.y, l.x, l.y, r.x, r.y); }
+
+template <class Number> Number circle_determinant(SightOf<Number> p, SightOf<Number> q) {
+  return p.re * q.im - q.re * p.im;
+}
+
+/// What a determinant must exceed to have a certain sign.
+struct Bounds {
+  double height;
+  double circle;
+};
+
+inline Bounds bounds_for(double z, double other_z, double guard) {
+  return {0x1p-50 * z + guard, 0x1p-48 * (z * other_z) + guard};
+}
 
 } // namespace dovetail::divide_and_conquer

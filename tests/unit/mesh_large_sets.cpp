@@ -113,7 +113,8 @@ TEST(LargeAdversaries, Valid) {
     ulps.push_back({1 + 0x1p-52 * std::floor(100 * u), 1 + 0x1p-52 * std::floor(100 * v)});
     far.push_back(i == 0 ? Point{1e300, -1e300} : Point{u, v});
     steep.push_back({u, 1e-9 * v});
-    scales.push_back({std::ldexp(u, -i % 900), std::ldexp(v, -i % 700)});
+    if (i % 4 == 0)
+      scales.push_back({std::ldexp(u, -i % 900), std::ldexp(v, -i % 700)});
   }
   vertical.push_back({0.5, 0.5});
   check("decimal lattice", decimal);
@@ -123,6 +124,21 @@ TEST(LargeAdversaries, Valid) {
   check("one far site", far);
   check("flat", steep);
   check("all scales", scales);
+}
+
+/// Coordinates of all magnitudes down to 2^-900, where products underflow and no filter can help.
+TEST(ManyScales, Valid) {
+  for (unsigned seed = 0; seed < 1500; ++seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    std::vector<Point> sites;
+    for (unsigned i = 0; i < 3 + seed % 20; ++i) {
+      const double x = std::ldexp(uniform(random), -static_cast<int>(random() % 900));
+      sites.push_back({x, std::ldexp(uniform(random), -static_cast<int>(random() % 700))});
+    }
+    const FaultReport report = validate(sites, delaunay(sites));
+    ASSERT_TRUE(report.valid()) << "seed " << seed << ": " << first_fault(report);
+  }
 }
 
 } // namespace

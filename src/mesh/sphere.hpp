@@ -1,0 +1,106 @@
+/// The triangulation that divide and conquer works on, and its smallest parts. Private to it.
+///
+/// A part of n >= 2 sites is kept as a triangulated *sphere*: beyond every directed hull edge lies a ghost
+/// triangle, whose third corner is the one point at infinity. By Euler's relation such a sphere has exactly
+/// 2n - 2 triangles, whether the sites are collinear or not. So the part of sites [s, s + n) owns the
+/// triangles [2s, 2s + 2n - 2), nothing is ever allocated, and a merge finds the two triangles it must add
+/// lying free between its parts: 2(s + n_left) - 2 and 2(s + n_left) - 1.
+///
+/// A half-edge is 3 * triangle + i. `origin[h]` is the vertex it leaves, `twin[h]` the opposite half-edge;
+/// around a triangle they follow each other counter-clockwise. A ghost beyond the hull edge u -> v (the hull
+/// seen counter-clockwise, the sites on its left) always begins with the half-edge on that edge:
+///
+///                 infinity               origin        twin
+///                  /    \       h + 0    v             the half-edge u -> v inside
+///         h + 2   /      \      h + 1    u             second of the ghost before, whose edge ends at u
+///                /        \     h + 2    infinity      first of the ghost after, whose edge begins at v
+///               v -------- u
+///                  h + 0
+///
+/// So a ghost is named by its h + 0, the ghost after it is twin[h + 2] - 1, the one before twin[h + 1] - 2.
+/// Collinear sites are all ghosts: a ring that goes along the line and back.
+#pragma once
+
+#include "dovetail/geometry/predicates.hpp"
+#include "sight.hpp"
+
+#include <cstdint>
+
+namespace dovetail::divide_and_conquer {
+
+using Vertex = LocalIndex;
+using HalfEdge = LocalIndex;
+
+/// The ghosts that begin at the extreme vertices of a part in the two orders of cutting, (x, y) and (y, x).
+/// Extremes in an order are true corners of the hull: just one ghost begins there.
+struct Hull {
+  HalfEdge first[2]; ///< [axis]: at the least vertex
+  HalfEdge last[2];  ///< at the greatest
+};
+
+constexpr bool less_along(Point a, Point b, unsigned axis) {
+  const double a_major = axis == 0 ? a.x : a.y, a_minor = axis == 0 ? a.y : a.x;
+  const double b_major = axis == 0 ? b.x : b.y, b_minor = axis == 0 ? b.y : b.x;
+  return (a_major < b_major) | ((a_major == b_major) & (a_minor < b_minor)); // no branch on data
+}
+
+/// Sites: gives a Point for a Vertex, and `far_away` for `infinity`.
+template <class Sites> struct Sphere {
+  Sites site;
+  Vertex *origin;
+  HalfEdge *twin;
+  Vertex infinity;
+  double guard; ///< of the filter: see sight.hpp
+
+  static HalfEdge triangle_of(HalfEdge h) {
+    return static_cast<HalfEdge>(static_cast<std::uint32_t>(h) / 3 * 3);
+  }
+  static HalfEdge after(HalfEdge h, HalfEdge triangle) { return h == triangle + 2 ? triangle : h + 1; }
+  static HalfEdge before(HalfEdge h, HalfEdge triangle) { return h == triangle ? triangle + 2 : h - 1; }
+  HalfEdge ghost_after(HalfEdge ghost) const { return twin[ghost + 2] - 1; }
+  HalfEdge ghost_before(HalfEdge ghost) const { return twin[ghost + 1] - 2; }
+  Vertex begin_of(HalfEdge ghost) const { return origin[ghost + 1]; }
+  Vertex end_of(HalfEdge ghost) const { return origin[ghost]; }
+
+  void join(HalfEdge a, HalfEdge b) const {
+    twin[a] = b;
+    twin[b] = a;
+  }
+  void chain(HalfEdge ghost, HalfEdge next) const { join(ghost + 2, next + 1); }
+  void set_origins(HalfEdge triangle, Vertex a, Vertex b, Vertex c) const {
+    origin[triangle] = a;
+    origin[triangle + 1] = b;
+    origin[triangle + 2] = c;
+  }
+  /// The ghost beyond the hull edge u -> v.
+  void set_ghost(HalfEdge ghost, Vertex u, Vertex v) const { set_origins(ghost, v, u, infinity); }
+
+  Sign turn(Vertex a, Vertex b, Vertex c) const { return orientation(site[a], site[b], site[c]); }
+  bool is_inside(Vertex l, Vertex r, Vertex p, Vertex q) const;
+
+  Hull two_sites(Vertex first) const;
+  Hull three_sites(Vertex first) const;
+  bool four_sites(Vertex first, Hull &hull) const;
+  Hull chain_of_three(HalfEdge base, Vertex a, Vertex b, Vertex c) const;
+  Hull hull_of(const HalfEdge *ghosts, unsigned count) const;
+
+  Hull merge(const Hull &left, const Hull &right, unsigned axis, HalfEdge spare) const;
+};
+
+/// Is q inside the circle of l, r, p, where p is above l -> r? For what the bounds of a merge do not decide.
+template <class Sites>
+[[gnu::noinline]] bool Sphere<Sites>::is_inside(Vertex l, Vertex r, Vertex p, Vertex q) const {
+  if (q == infinity)
+    return false;
+  const Sight p_seen = look(site[p], site[l], site[r]);
+  const Sight q_seen = look(site[q], site[l], site[r]);
+  const double determinant = circle_determinant(p_seen, q_seen);
+  const double bound = bounds_for(std::fabs(p_seen.re) + std::fabs(p_seen.im),
+                                  std::fabs(q_seen.re) + std::fabs(q_seen.im), guard)
+                           .circle;
+  if (std::fabs(determinant) > bound)
+    return determinant > 0;
+  return in_circle(site[l], site[r], site[p], site[q]) == Sign::positive;
+}
+
+} // namespace dovetail::divide_and_conquer
