@@ -143,6 +143,46 @@ Hull BucketKernel::conquer_cells(std::size_t cell, unsigned level) {
   return sphere_.merge(left, right, axis_of_level_[level], 6 * (first + left_count) - 6);
 }
 
+/// Sorts up to `lanes` sites by a coordinate rounded to 26 bits, without a branch on their values: each goes
+/// to the place that as many others precede. False, with the sites as they were, if the rounding does not
+/// separate the first `half` from the others. `low` and `high` bound the coordinate.
+template <std::size_t lanes>
+bool BucketKernel::sort_by_rank(Vertex first, Vertex count, Vertex half, unsigned axis, double low,
+                                double high) {
+  constexpr int number_bits = 4;
+  static_assert(lanes <= 1U << number_bits);
+  const auto n = static_cast<std::size_t>(count);
+  const double scale = scale_of(low, high, 0x1p26);
+  Point *const sites = point(first);
+  LocalIndex *const numbers = index(first);
+  std::array<Point, lanes> old_sites;
+  std::array<LocalIndex, lanes> old_numbers;
+  std::array<std::int32_t, lanes> key;
+  key.fill(std::numeric_limits<std::int32_t>::max());
+  for (std::size_t i = 0; i < n; ++i) {
+    old_sites[i] = sites[i];
+    old_numbers[i] = numbers[i];
+    const double coordinate = axis == 0 ? sites[i].x : sites[i].y;
+    key[i] =
+        (static_cast<std::int32_t>((coordinate - low) * scale) << number_bits) + static_cast<std::int32_t>(i);
+  }
+  std::array<std::int32_t, lanes> rank{};
+  for (std::size_t j = 0; j < n; ++j)
+    for (std::size_t i = 0; i < lanes; ++i)
+      rank[i] += key[j] < key[i] ? 1 : 0;
+  std::array<std::int32_t, lanes> sorted{};
+  for (std::size_t i = 0; i < n; ++i)
+    sorted[static_cast<std::size_t>(rank[i])] = key[i];
+  const auto cut = static_cast<std::size_t>(half);
+  if (sorted[cut - 1] >> number_bits == sorted[cut] >> number_bits)
+    return false;
+  for (std::size_t i = 0; i < n; ++i) {
+    sites[rank[i]] = old_sites[i];
+    numbers[rank[i]] = old_numbers[i];
+  }
+  return true;
+}
+
 Hull BucketKernel::conquer_few(Vertex first, Vertex count) {
   if (count == 2)
     return sphere_.two_sites(first);
@@ -159,56 +199,15 @@ Hull BucketKernel::conquer_few(Vertex first, Vertex count) {
   }
   const unsigned axis = high.y - low.y > high.x - low.x ? 1 : 0;
   const Vertex half = half_of(count);
-  if (!sort_by_rank(first, count, half, axis))
+  const double least = axis == 0 ? low.x : low.y;
+  const double greatest = axis == 0 ? high.x : high.y;
+  if (!fixed_point_is_safe() ||
+      !(count <= few / 2 ? sort_by_rank<few / 2>(first, count, half, axis, least, greatest)
+                         : sort_by_rank<few>(first, count, half, axis, least, greatest)))
     return conquer_by_medians(first, count);
   const Hull left = conquer_few(first, half);
   const Hull right = conquer_few(first + half, count - half);
   return sphere_.merge(left, right, axis, 6 * (first + half) - 6);
-}
-
-/// Sorts a few sites by a coordinate rounded to 26 bits, without a branch on their values: each goes to the
-/// place that as many others precede. False, with the sites as they were, if the rounding does not separate
-/// the first `half` from the others.
-bool BucketKernel::sort_by_rank(Vertex first, Vertex count, Vertex half, unsigned axis) {
-  constexpr int number_bits = 5;
-  if (!fixed_point_is_safe())
-    return false;
-  const auto n = static_cast<std::size_t>(count);
-  std::array<double, few> coordinate{};
-  std::array<Point, few> points;
-  std::array<LocalIndex, few> indices;
-  for (std::size_t i = 0; i < n; ++i) {
-    points[i] = point(first)[i];
-    indices[i] = index(first)[i];
-    coordinate[i] = axis == 0 ? points[i].x : points[i].y;
-  }
-  double low = coordinate[0];
-  double high = low;
-  for (std::size_t i = 1; i < n; ++i) {
-    low = std::min(low, coordinate[i]);
-    high = std::max(high, coordinate[i]);
-  }
-  const double scale = scale_of(low, high, 0x1p26);
-  std::array<std::int32_t, few> key;
-  std::array<std::int32_t, few> rank{};
-  key.fill(std::numeric_limits<std::int32_t>::max());
-  for (std::size_t i = 0; i < n; ++i)
-    key[i] = (static_cast<std::int32_t>((coordinate[i] - low) * scale) << number_bits) +
-             static_cast<std::int32_t>(i);
-  for (std::size_t j = 0; j < n; ++j)
-    for (std::size_t i = 0; i < few; ++i)
-      rank[i] += key[j] < key[i] ? 1 : 0;
-  std::array<std::int32_t, few> sorted{};
-  for (std::size_t i = 0; i < n; ++i)
-    sorted[static_cast<std::size_t>(rank[i])] = key[i];
-  const auto cut = static_cast<std::size_t>(half);
-  if (sorted[cut - 1] >> number_bits == sorted[cut] >> number_bits)
-    return false;
-  for (std::size_t i = 0; i < n; ++i) {
-    point(first)[rank[i]] = points[i];
-    index(first)[rank[i]] = indices[i];
-  }
-  return true;
 }
 
 /// The way that always works: exact medians, ties by the other coordinate.

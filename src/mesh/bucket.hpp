@@ -39,7 +39,8 @@ private:
   void sort_into_cells();
   Hull conquer_cells(std::size_t cell, unsigned level);
   Hull conquer_few(Vertex first, Vertex count);
-  bool sort_by_rank(Vertex first, Vertex count, Vertex half, unsigned axis);
+  template <std::size_t lanes>
+  bool sort_by_rank(Vertex first, Vertex count, Vertex half, unsigned axis, double low, double high);
   Hull conquer_by_medians(Vertex first, Vertex count);
   void cut_at_medians(std::span<Numbered> sites, unsigned axis);
   Hull conquer_halves(Vertex first, Vertex count, unsigned axis);

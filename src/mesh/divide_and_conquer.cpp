@@ -16,7 +16,7 @@ namespace {
 using namespace divide_and_conquer;
 
 constexpr Vertex far_ghost = none;
-constexpr HalfEdge beyond = -3; ///< twin of a hull edge once the ghosts are gone: a third of it is `none`
+constexpr HalfEdge beyond = none; ///< twin of a hull edge once the ghosts are gone
 constexpr std::size_t bucket_sites = 8192;
 
 /// The sites of the whole where they are in the input.
@@ -89,16 +89,17 @@ LocalIndex drop_ghosts(const Sphere<FarSites> &sphere, HalfEdge ghost, LocalInde
 /// From half-edges and cut order to the neighbours and site numbers of a Triangulation, in place.
 void renumber(Triangulation &mesh, std::span<const LocalIndex> order) {
   LocalIndex *corner = mesh.corners.data();
-  LocalIndex *across = mesh.neighbours.data();
+  const LocalIndex *site = order.data();
   const std::size_t size = mesh.corners.size();
-  for (std::size_t h = 0; h < size; ++h)
-    corner[h] = order[static_cast<std::size_t>(corner[h])];
+  // Half-edge i leaves the vertex at place i; as neighbour i it must lie across from corner i.
   for (std::size_t h = 0; h < size; h += 3) {
-    const LocalIndex first = across[h] / 3; // half-edge i leaves corner i: it lies across from corner i + 2
-    across[h] = across[h + 1] / 3;
-    across[h + 1] = across[h + 2] / 3;
-    across[h + 2] = first;
+    const LocalIndex a = site[corner[h]], b = site[corner[h + 1]], c = site[corner[h + 2]];
+    corner[h] = c;
+    corner[h + 1] = a;
+    corner[h + 2] = b;
   }
+  for (LocalIndex &twin : mesh.neighbours) // `beyond` stays `none`, without a branch
+    twin = static_cast<LocalIndex>(static_cast<std::uint32_t>(twin) / 3) | (twin >> 31);
 }
 
 double guard_for(std::span<const Point> sites) {

@@ -98,22 +98,44 @@ struct Tangent {
 
 /// From a pair of vertices that certainly see each other downwards. Ties stay at the nearer vertex, so that
 /// no site lies on the tangent between its ends.
-template <class Sites> Tangent lower_tangent(const Sphere<Sites> &sphere, HalfEdge left, HalfEdge right) {
+template <class Sites>
+Tangent lower_tangent(const Sphere<Sites> &sphere, HalfEdge left, HalfEdge right, double height_bound) {
   Vertex l = sphere.begin_of(left);
   Vertex r = sphere.begin_of(right);
-  for (bool moved = true; moved;) {
-    moved = false;
-    for (HalfEdge before = sphere.ghost_before(left);
-         sphere.turn(l, r, sphere.begin_of(before)) == Sign::negative; before = sphere.ghost_before(left)) {
+  Point at_l = sphere.site[l];
+  Point at_r = sphere.site[r];
+  const auto is_below = [&](Vertex v, Point p) {
+    const double height = look(p, at_l, at_r).im;
+    return height < -height_bound || (!(height > height_bound) && sphere.turn(l, r, v) == Sign::negative);
+  };
+  for (bool first = true;; first = false) {
+    bool moved = first;
+    for (;;) {
+      const HalfEdge before = sphere.ghost_before(left);
+      const Vertex v = sphere.begin_of(before);
+      const Point p = sphere.site[v];
+      if (!is_below(v, p))
+        break;
       left = before;
-      l = sphere.begin_of(left);
+      l = v;
+      at_l = p;
       moved = true;
     }
-    while (sphere.turn(l, r, sphere.end_of(right)) == Sign::negative) {
-      r = sphere.end_of(right);
+    if (!moved)
+      break;
+    moved = false;
+    for (;;) {
+      const Vertex v = sphere.end_of(right);
+      const Point p = sphere.site[v];
+      if (!is_below(v, p))
+        break;
       right = sphere.ghost_after(right);
+      r = v;
+      at_r = p;
       moved = true;
     }
+    if (!moved)
+      break;
   }
   return {left, right};
 }
@@ -144,7 +166,7 @@ Hull Sphere<Sites>::merge(const Hull &left, const Hull &right, unsigned axis, Ha
   const Pair height_bound{bounds.height, bounds.height};
   const Pair circle_bound{bounds.circle, bounds.circle};
 
-  const Tangent tangent = lower_tangent(*this, left.last[axis], right.first[axis]);
+  const Tangent tangent = lower_tangent(*this, left.last[axis], right.first[axis], bounds.height);
   const HalfEdge hull_before = ghost_before(tangent.left);
   const HalfEdge bottom = spare;
   const HalfEdge top = spare + 3;
