@@ -42,7 +42,7 @@ Hull BucketKernel::triangulate(Vertex first, Vertex count, Vertex far_ghost) {
   const Hull hull = conquer_cells(0, 0);
   HalfEdge ghost = hull.first[0];
   do {
-    origin_[ghost + 2] = far_ghost;
+    origin_[ghost + 2] = narrow(far_ghost);
     ghost = sphere_.ghost_after(ghost);
   } while (ghost != hull.first[0]);
   return hull;
@@ -106,7 +106,7 @@ void BucketKernel::sort_into_cells() {
     key_[i] = spread[0][x] | spread[1][y];
     ++cell_start_[key_[i]];
   }
-  LocalIndex next = first_;
+  LocalIndex next = narrow(first_);
   for (std::size_t cell = 0; cell <= cells; ++cell) {
     const LocalIndex here = cell_start_[cell];
     cell_start_[cell] = next;
@@ -119,7 +119,7 @@ void BucketKernel::sort_into_cells() {
   }
   for (std::size_t cell = cells; cell > 0; --cell)
     cell_start_[cell] = cell_start_[cell - 1];
-  cell_start_[0] = first_;
+  cell_start_[0] = narrow(first_);
 }
 
 /// The 2^(bits - level) cells that begin with `cell`. At least two sites.

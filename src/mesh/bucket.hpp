@@ -19,8 +19,8 @@ struct NearSites {
 /// Works on one bucket after another in the same memory.
 class BucketKernel {
 public:
-  BucketKernel(std::span<const Point> sites, std::span<LocalIndex> order, Vertex *origin, HalfEdge *twin,
-               double guard)
+  BucketKernel(std::span<const Point> sites, std::span<LocalIndex> order, LocalIndex *origin,
+               LocalIndex *twin, double guard)
       : sites_(sites), order_(order), origin_(origin), twin_(twin), guard_(guard) {}
 
   /// Triangulates the sites order[first] .. order[first + count - 1], which it puts into an order of its own;
@@ -50,8 +50,8 @@ private:
 
   std::span<const Point> sites_;
   std::span<LocalIndex> order_;
-  Vertex *origin_;
-  HalfEdge *twin_;
+  LocalIndex *origin_;
+  LocalIndex *twin_;
   double guard_;
 
   Vertex first_ = 0;

@@ -16,7 +16,7 @@ namespace {
 using namespace divide_and_conquer;
 
 constexpr Vertex far_ghost = none;
-constexpr HalfEdge beyond = none; ///< twin of a hull edge once the ghosts are gone
+constexpr LocalIndex beyond = none; ///< twin of a hull edge once the ghosts are gone
 constexpr std::size_t bucket_sites = 8192;
 
 /// The sites of the whole where they are in the input.
@@ -59,7 +59,7 @@ LocalIndex drop_ghosts(const Sphere<FarSites> &sphere, HalfEdge ghost, LocalInde
   std::vector<LocalIndex> ghosts;
   const HalfEdge begin = ghost;
   do {
-    ghosts.push_back(ghost / 3);
+    ghosts.push_back(narrow(ghost / 3));
     ghost = sphere.ghost_after(ghost);
   } while (ghost != begin);
   std::ranges::sort(ghosts);
@@ -74,8 +74,8 @@ LocalIndex drop_ghosts(const Sphere<FarSites> &sphere, HalfEdge ghost, LocalInde
       break;
     for (; *last == from; ++last)
       --from;
-    for (HalfEdge i = 0; i < 3; ++i) {
-      const HalfEdge other = sphere.twin[3 * from + i];
+    for (LocalIndex i = 0; i < 3; ++i) {
+      const LocalIndex other = sphere.twin[3 * from + i];
       sphere.origin[3 * hole + i] = sphere.origin[3 * from + i];
       sphere.twin[3 * hole + i] = other;
       if (other != beyond)

@@ -41,14 +41,6 @@ void cut_sample(MedianTree &tree, std::span<Point> sample, std::size_t node) {
 
 } // namespace
 
-std::size_t MedianTree::leaf_of(Point p) const {
-  const std::array<double, 2> coordinate{p.x, p.y};
-  std::size_t node = 1;
-  for (unsigned level = 0; level < depth; ++level)
-    node = 2 * node + (coordinate[axis[node]] >= cut[node] ? 1 : 0);
-  return node - leaves();
-}
-
 MedianTree median_tree(std::span<const Point> sites, unsigned depth) {
   MedianTree tree;
   tree.depth = depth;
@@ -65,10 +57,18 @@ MedianTree median_tree(std::span<const Point> sites, unsigned depth) {
 std::vector<LocalIndex> sort_into_leaves(const MedianTree &tree, std::span<const Point> sites,
                                          std::span<LocalIndex> order, std::span<LocalIndex> scratch) {
   std::vector<LocalIndex> start(tree.leaves() + 1, 0);
+  const double *const cut = tree.cut.data();
+  const std::uint8_t *const axis = tree.axis.data();
+  LocalIndex *const leaf_of = scratch.data();
+  LocalIndex *const counts = start.data() + 1;
   for (std::size_t i = 0; i < sites.size(); ++i) {
-    const std::size_t leaf = tree.leaf_of(sites[i]);
-    scratch[i] = static_cast<LocalIndex>(leaf);
-    ++start[leaf + 1];
+    const std::array<double, 2> coordinate{sites[i].x, sites[i].y};
+    std::size_t node = 1;
+    for (unsigned level = 0; level < tree.depth; ++level)
+      node = 2 * node + (coordinate[axis[node]] >= cut[node] ? 1 : 0);
+    const std::size_t leaf = node - tree.leaves();
+    leaf_of[i] = static_cast<LocalIndex>(leaf);
+    ++counts[leaf];
   }
   for (std::size_t k = 0; k < tree.leaves(); ++k)
     start[k + 1] += start[k];

@@ -17,7 +17,6 @@ struct MedianTree {
   std::vector<std::uint8_t> axis;
 
   std::size_t leaves() const { return std::size_t{1} << depth; }
-  std::size_t leaf_of(Point p) const;
 };
 
 MedianTree median_tree(std::span<const Point> sites, unsigned depth);

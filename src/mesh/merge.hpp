@@ -74,7 +74,7 @@ template <class Sites> struct Seam {
       sphere.set_ghost(rim.behind, end, rim.apex);
     else
       sphere.set_ghost(rim.behind, rim.apex, end);
-    sphere.twin[rim.behind + link<side>] = rim.front + 3 - link<side>;
+    sphere.twin[rim.behind + link<side>] = narrow(rim.front + 3 - link<side>);
     rim.front = rim.behind;
   }
 
@@ -144,7 +144,13 @@ Tangent lower_tangent(const Sphere<Sites> &sphere, HalfEdge left, HalfEdge right
 /// `axis`; `spare` is the first of the two free triangles.
 template <class Sites>
 Hull Sphere<Sites>::merge(const Hull &left, const Hull &right, unsigned axis, HalfEdge spare) const {
-  const unsigned other = 1 - axis;
+  return axis == 0 ? merge_along<0>(left, right, spare) : merge_along<1>(left, right, spare);
+}
+
+template <class Sites>
+template <unsigned axis>
+Hull Sphere<Sites>::merge_along(const Hull &left, const Hull &right, HalfEdge spare) const {
+  constexpr unsigned other = 1 - axis;
   // The extremes of the union. Along the cut they are known; only in the other order must sites be compared.
   const bool first_is_left =
       less_along(site[begin_of(left.first[other])], site[begin_of(right.first[other])], other);
@@ -179,7 +185,7 @@ Hull Sphere<Sites>::merge(const Hull &left, const Hull &right, unsigned axis, Ha
   // A part that is a mere segment can be used up on both sides, back to where it began. Its chain then comes
   // to the bottom ghost, whose far vertex is never above the base.
   set_ghost(bottom, l, r);
-  twin[bottom] = bottom;
+  twin[bottom] = narrow(bottom);
   chain(hull_before, bottom);
   chain(bottom, tangent.right);
   HalfEdge below = bottom;

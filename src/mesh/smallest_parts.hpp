@@ -141,7 +141,7 @@ inline constexpr std::array<Arrangement, 16> arrangements = [] {
 ///     |  /  |   ghosts 2 .. 5:        / d \    2: c a d
 ///     | / 0 |   ab bc cd da          / / \ \   ghosts 3 .. 5:
 ///     a-----b                       a-------b  ab bc ca
-inline constexpr std::array<std::array<HalfEdge, 18>, 2> twins_of_four{{
+inline constexpr std::array<std::array<LocalIndex, 18>, 2> twins_of_four{{
     {6, 9, 3, 2, 12, 15, 0, 17, 10, 1, 8, 13, 4, 11, 16, 5, 14, 7},
     {9, 5, 7, 12, 8, 1, 15, 2, 4, 0, 17, 13, 3, 11, 16, 6, 14, 10},
 }};
@@ -171,9 +171,9 @@ template <class Sites> bool Sphere<Sites>::four_sites(Vertex first, Hull &hull) 
   for (unsigned i = 0; i < 4; ++i)
     v[i] = first + found.order[i];
   const HalfEdge base = 6 * first;
-  const std::array<HalfEdge, 18> &twins = twins_of_four[found.convex ? 0 : 1];
+  const std::array<LocalIndex, 18> &twins = twins_of_four[found.convex ? 0 : 1];
   for (HalfEdge h = 0; h < 18; ++h)
-    twin[base + h] = base + twins[static_cast<std::size_t>(h)];
+    twin[base + h] = narrow(base) + twins[static_cast<std::size_t>(h)];
   const HalfEdge ghosts[4] = {base + 6, base + 9, base + 12, base + 15};
   if (found.convex) {
     if (is_inside(v[0], v[1], v[2], v[3])) { // the diagonal is b d: call b a

@@ -28,8 +28,11 @@
 
 namespace dovetail::divide_and_conquer {
 
-using Vertex = LocalIndex;
-using HalfEdge = LocalIndex;
+/// Numbers on their way between arrays of LocalIndex: as wide as a register, which saves extending them again
+/// and again.
+using Vertex = std::int64_t;
+using HalfEdge = std::int64_t;
+constexpr LocalIndex narrow(std::int64_t number) { return static_cast<LocalIndex>(number); }
 
 /// The ghosts that begin at the extreme vertices of a part in the two orders of cutting, (x, y) and (y, x).
 /// Extremes in an order are true corners of the hull: just one ghost begins there.
@@ -47,13 +50,13 @@ constexpr bool less_along(Point a, Point b, unsigned axis) {
 /// Sites: gives a Point for a Vertex, and `far_away` for `infinity`.
 template <class Sites> struct Sphere {
   Sites site;
-  Vertex *origin;
-  HalfEdge *twin;
+  LocalIndex *origin;
+  LocalIndex *twin;
   Vertex infinity;
   double guard; ///< of the filter: see sight.hpp
 
   static HalfEdge triangle_of(HalfEdge h) {
-    return static_cast<HalfEdge>(static_cast<std::uint32_t>(h) / 3 * 3);
+    return static_cast<HalfEdge>(static_cast<std::uint32_t>(h) / 3) * 3;
   }
   static HalfEdge after(HalfEdge h, HalfEdge triangle) { return h == triangle + 2 ? triangle : h + 1; }
   static HalfEdge before(HalfEdge h, HalfEdge triangle) { return h == triangle ? triangle + 2 : h - 1; }
@@ -63,14 +66,14 @@ template <class Sites> struct Sphere {
   Vertex end_of(HalfEdge ghost) const { return origin[ghost]; }
 
   void join(HalfEdge a, HalfEdge b) const {
-    twin[a] = b;
-    twin[b] = a;
+    twin[a] = narrow(b);
+    twin[b] = narrow(a);
   }
   void chain(HalfEdge ghost, HalfEdge next) const { join(ghost + 2, next + 1); }
   void set_origins(HalfEdge triangle, Vertex a, Vertex b, Vertex c) const {
-    origin[triangle] = a;
-    origin[triangle + 1] = b;
-    origin[triangle + 2] = c;
+    origin[triangle] = narrow(a);
+    origin[triangle + 1] = narrow(b);
+    origin[triangle + 2] = narrow(c);
   }
   /// The ghost beyond the hull edge u -> v.
   void set_ghost(HalfEdge ghost, Vertex u, Vertex v) const { set_origins(ghost, v, u, infinity); }
@@ -85,6 +88,7 @@ template <class Sites> struct Sphere {
   Hull hull_of(const HalfEdge *ghosts, unsigned count) const;
 
   Hull merge(const Hull &left, const Hull &right, unsigned axis, HalfEdge spare) const;
+  template <unsigned axis> Hull merge_along(const Hull &left, const Hull &right, HalfEdge spare) const;
 };
 
 /// Is q inside the circle of l, r, p, where p is above l -> r? For what the bounds of a merge do not decide.
