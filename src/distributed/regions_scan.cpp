@@ -60,7 +60,7 @@ SlabHulls slab_hulls(const Slabs &slabs) {
   return hulls;
 }
 
-std::vector<Path> forward_scan(const Slabs &slabs, const SlabHulls &hulls, Path before) {
+std::vector<Path> forward_scan(const Slabs &slabs, const SlabHulls &hulls, const Path &before) {
   const OwnSlabs own{slabs};
   std::vector<Path> chains(index(own.count()));
   const Path *previous = &before;
@@ -71,7 +71,7 @@ std::vector<Path> forward_scan(const Slabs &slabs, const SlabHulls &hulls, Path 
   return chains;
 }
 
-std::vector<Path> backward_scan(const Slabs &slabs, const SlabHulls &hulls, Path after) {
+std::vector<Path> backward_scan(const Slabs &slabs, const SlabHulls &hulls, const Path &after) {
   const OwnSlabs own{slabs};
   std::vector<Path> chains(index(own.count()));
   const Path *previous = &after;

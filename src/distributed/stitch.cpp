@@ -29,6 +29,7 @@ Owners owners(const Communicator &comm, const DistributedMesh &mesh) {
 
 void number_triangles(const Communicator &comm, DistributedMesh &mesh) {
   std::vector<GlobalIndex> counts;
+  counts.reserve(mesh.slabs.size());
   for (const SlabMesh &slab : mesh.slabs)
     counts.push_back(slab.triangles.triangle_count());
   mesh.triangle_offsets.assign(1, 0);

@@ -65,6 +65,7 @@ void complete_ghosts(const Communicator &comm, const Owners &owners, Distributed
   const auto asked = sparse_exchange<GlobalIndex>(comm, address(owners, numbers));
 
   std::vector<std::vector<Word>> replies;
+  replies.reserve(asked.size());
   for (const Incoming<GlobalIndex> &letter : asked)
     replies.push_back(records_of(mesh, letter.data));
   std::vector<Outgoing<Word>> letters;

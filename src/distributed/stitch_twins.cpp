@@ -125,6 +125,7 @@ void match_open_sides(const Communicator &comm, const Owners &owners,
                       const std::vector<std::vector<LocalIndex>> &open_sides, DistributedMesh &mesh) {
   const std::vector<OpenSide> alone = match_own(collect(mesh, open_sides), mesh);
   std::vector<Question> questions;
+  questions.reserve(alone.size());
   for (const OpenSide &side : alone)
     questions.push_back({side.low, side.high, side.triangle});
 

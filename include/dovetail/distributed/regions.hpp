@@ -35,8 +35,8 @@ struct Region {
 };
 
 /// Collective over `comm`, on which the slabs are spread. Reads every site once, for the hulls of its slab at
-/// its two borders (that of Local cost O(n) for uniform sites); all else works on chains of O(sqrt n) sites
-/// for uniform ones. Every rank takes part in at most depth <= log2(ranks) + O(1) splits, if slabs are even.
+/// its two borders, and then works on chains only: O(sqrt n) sites each, if they are uniform. About
+/// log2(ranks) splits, each of two gathers, two broadcasts and a split of the communicator.
 Region split_into_regions(const Communicator &comm, Slabs &&slabs);
 
 } // namespace dovetail

@@ -22,11 +22,11 @@ SlabHulls slab_hulls(const Slabs &slabs);
 /// chains[k] is the path, at the right line of own slab k, of the sites `before` and those of own slabs
 /// 0 .. k. `before` must be all of a set left of these slabs that can be on any such path. Empty for the last
 /// slab of all.
-std::vector<Path> forward_scan(const Slabs &slabs, const SlabHulls &hulls, Path before);
+std::vector<Path> forward_scan(const Slabs &slabs, const SlabHulls &hulls, const Path &before);
 
 /// chains[k] is the path, at the left line of own slab k, of the sites `after` and those of own slabs k and
 /// up. Empty for slab 0.
-std::vector<Path> backward_scan(const Slabs &slabs, const SlabHulls &hulls, Path after);
+std::vector<Path> backward_scan(const Slabs &slabs, const SlabHulls &hulls, const Path &after);
 
 /// All paths of the own slabs, as in Region::paths, from those of the leftmost and the rightmost line. O(sum
 /// of the lengths of all hulls and paths).

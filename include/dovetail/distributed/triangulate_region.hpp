@@ -32,14 +32,14 @@ struct UnstitchedMesh {
 /// indices. Cost: the kernel's, and two passes over its triangles.
 UnstitchedMesh triangulate_region(Region &&region, const Progress &progress = {});
 
-/// What a slab will have before any triangle exists (F9): the number of its triangles, from its own sites and
-/// its two paths, which must not be empty. Local. O(own sites + paths) worst case, O(paths) typically: only
-/// sites at the lowest and highest `along` matter beside the paths.
+/// The number of triangles that a slab will have, before any of them exists (F9): from its own sites and its
+/// two paths, an empty one meaning that the slab is outermost there. Local. O(n log n): for checks, not for
+/// speed.
 GlobalIndex triangles_between(std::span<const Point> own_sites, GlobalIndex first_site, const Path &left,
                               const Path &right, Axis axis);
 
 /// Takes the triangles out for which `removed` lists the numbers, ascending; those at the end fill the gaps.
-/// Neighbours of what is gone become `none`. Local. O(removed · log removed).
+/// Neighbours of what is gone become `none`. Local. O(removed).
 void remove_triangles(Triangulation &triangles, std::span<const LocalIndex> removed);
 
 } // namespace dovetail
