@@ -11,14 +11,22 @@ namespace dovetail {
 
 DistributedMesh triangulate(const Communicator &comm, PointTable &&points,
                             const TriangulateOptions &options) {
-  const auto phase = [&](const char *name, auto &&work) {
-    report_progress(options.slabs.progress, name, 0);
+  const Progress &progress = options.slabs.progress;
+  const auto measured = [&](const char *name, auto &&work) {
     return options.phases ? options.phases->measure(name, work) : work();
+  };
+  // Whoever hears of progress may throw to interrupt, so a phase begins where all can agree on that. Not so
+  // triangulate: before it nobody waits for another half, and it says itself that it begins.
+  const auto phase = [&](const char *name, auto &&work) {
+    return measured(name, [&] {
+      collectively(comm, [&] { report_progress(progress, name, 0); });
+      return work();
+    });
   };
   Slabs slabs = phase("sort", [&] { return sort_into_slabs(comm, std::move(points), options.slabs); });
   Region region = phase("split", [&] { return split_into_regions(comm, std::move(slabs)); });
-  UnstitchedMesh local = phase("triangulate", [&] {
-    return collectively(comm, [&] { return triangulate_region(std::move(region), options.slabs.progress); });
+  UnstitchedMesh local = measured("triangulate", [&] {
+    return collectively(comm, [&] { return triangulate_region(std::move(region), progress); });
   });
   return phase("stitch", [&] { return stitch(comm, std::move(local)); });
 }

@@ -227,6 +227,7 @@ UnstitchedMesh triangulate_region(Region &&region, const Progress &progress) {
   UnstitchedMesh result;
   DistributedMesh &mesh = result.mesh;
   const int count = region.slabs.own_slab_count;
+  report_progress(progress, "triangulate", 0);
   for (int k = 0; k < count; ++k) {
     mesh.slabs.push_back(triangulate_slab(view(region, k)));
     mesh.checksum += checksum_of(mesh.slabs.back());

@@ -152,15 +152,23 @@ TEST(PipelineLargeSets, ReportsItsPhasesAndProgress) {
   EXPECT_EQ(last, 1.0);
 }
 
-TEST(PipelineLargeSets, AProblemOfOneRankIsThrownByAll) {
+TEST(PipelineLargeSets, AnInterruptionOfOneRankIsThrownByAll) {
   const Communicator comm = world();
-  TriangulateOptions options;
-  options.slabs.slabs = comm.size();
-  options.slabs.progress = [&](std::string_view stage, double) {
-    if (stage == "triangulate" && comm.rank() == comm.size() - 1)
-      throw Error({ErrorKind::resource, "slab", "", "interrupted", ""});
+  struct Place {
+    std::string_view stage;
+    double fraction;
   };
-  EXPECT_THROW(triangulate(comm, deal(comm, points_of(Distribution::normal, 500), 1), options), Error);
+  for (const Place place : {Place{"sort", 0}, Place{"split", 0}, Place{"triangulate", 0},
+                            Place{"triangulate", 1}, Place{"stitch", 0}}) {
+    TriangulateOptions options;
+    options.slabs.slabs = comm.size();
+    options.slabs.progress = [&](std::string_view stage, double fraction) {
+      if (stage == place.stage && fraction >= place.fraction && comm.rank() == comm.size() - 1)
+        throw Error({ErrorKind::resource, "run", "", "interrupted", ""});
+    };
+    EXPECT_THROW(triangulate(comm, deal(comm, points_of(Distribution::normal, 500), 1), options), Error)
+        << place.stage << " at " << place.fraction;
+  }
 }
 
 } // namespace
