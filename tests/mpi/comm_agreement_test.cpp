@@ -79,6 +79,14 @@ TEST(Collectives, ReduceScanAndGatherNumbers) {
   EXPECT_EQ(any_of_ranks(comm, false), false);
   EXPECT_EQ(all_of_ranks(comm, r != p - 1), false);
   EXPECT_EQ(all_of_ranks(comm, true), true);
+  // Unsigned numbers on both sides of half the range.
+  const std::uint64_t far = ~std::uint64_t{0} - static_cast<std::uint64_t>(r);
+  EXPECT_EQ(all_reduce_min(comm, r == 0 ? std::uint64_t{3} : far), 3U);
+  EXPECT_EQ(all_reduce_max(comm, r == p - 1 ? far : std::uint64_t{3}),
+            ~std::uint64_t{0} - static_cast<std::uint64_t>(p - 1));
+  EXPECT_EQ(all_reduce_max(comm, std::vector<std::uint64_t>{far, 0, 5}),
+            (std::vector<std::uint64_t>{~std::uint64_t{0}, 0, 5}));
+  EXPECT_EQ(all_reduce_min(comm, r == 0 ? 3U : 0xffffffffU), 3U);
   EXPECT_EQ(all_reduce_sum(comm, std::vector<std::int64_t>{}), std::vector<std::int64_t>{});
   EXPECT_EQ(all_reduce_max(comm, std::vector<std::int64_t>{r, -r, 7}),
             (std::vector<std::int64_t>{p - 1, 0, 7}));

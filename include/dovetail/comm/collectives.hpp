@@ -16,8 +16,10 @@
 #include <boost/mpi/operations.hpp>
 #include <boost/mpi/packed_oarchive.hpp>
 
+#include <algorithm>
 #include <concepts>
 #include <functional>
+#include <limits>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -52,18 +54,7 @@ template <Number T> T all_reduce_sum(const Communicator &comm, T value) {
   return boost::mpi::all_reduce(comm.boost(), value, std::plus<T>());
 }
 
-template <Number T> T all_reduce_min(const Communicator &comm, T value) {
-  traffic::count_all_reduce(comm, sizeof(T));
-  return boost::mpi::all_reduce(comm.boost(), value, boost::mpi::minimum<T>());
-}
-
-template <Number T> T all_reduce_max(const Communicator &comm, T value) {
-  traffic::count_all_reduce(comm, sizeof(T));
-  return boost::mpi::all_reduce(comm.boost(), value, boost::mpi::maximum<T>());
-}
-
-/// Elementwise, over vectors of the same length on every rank (also length 0). In `elementwise`, Operation is
-/// std::plus<T>, boost::mpi::minimum<T> or boost::mpi::maximum<T>.
+/// Elementwise, over vectors of the same length on every rank (also length 0).
 template <Number T, class Operation>
 std::vector<T> all_reduce_elementwise(const Communicator &comm, const std::vector<T> &values, Operation op) {
   std::vector<T> result(values.size());
@@ -77,11 +68,48 @@ std::vector<T> all_reduce_elementwise(const Communicator &comm, const std::vecto
 template <Number T> std::vector<T> all_reduce_sum(const Communicator &comm, const std::vector<T> &values) {
   return all_reduce_elementwise(comm, values, std::plus<T>());
 }
+
+/// Open MPI 4.1 compares 64-bit unsigned numbers as if they were signed (measured: of 3 and 2^64 - 1 the
+/// latter is the MPI_MIN). So unsigned numbers are moved to signed ones in the same order, and back.
+namespace ordered {
+template <Number T> auto to_signed(T value) {
+  if constexpr (std::unsigned_integral<T> && !std::same_as<T, bool>) {
+    using Signed = std::make_signed_t<T>;
+    return static_cast<Signed>(static_cast<T>(value ^ static_cast<T>(std::numeric_limits<Signed>::min())));
+  } else {
+    return value;
+  }
+}
+template <Number T, Number Moved> T from_signed(Moved value) {
+  if constexpr (std::same_as<T, Moved>)
+    return value;
+  else
+    return static_cast<T>(static_cast<T>(value) ^ static_cast<T>(std::numeric_limits<Moved>::min()));
+}
+} // namespace ordered
+
+template <Number T, template <class> class Operation>
+std::vector<T> all_reduce_ordered(const Communicator &comm, const std::vector<T> &values) {
+  using Moved = decltype(ordered::to_signed(T{}));
+  std::vector<Moved> moved(values.size());
+  std::transform(values.begin(), values.end(), moved.begin(), ordered::to_signed<T>);
+  moved = all_reduce_elementwise(comm, moved, Operation<Moved>());
+  std::vector<T> result(values.size());
+  std::transform(moved.begin(), moved.end(), result.begin(), ordered::from_signed<T, Moved>);
+  return result;
+}
+
 template <Number T> std::vector<T> all_reduce_min(const Communicator &comm, const std::vector<T> &values) {
-  return all_reduce_elementwise(comm, values, boost::mpi::minimum<T>());
+  return all_reduce_ordered<T, boost::mpi::minimum>(comm, values);
 }
 template <Number T> std::vector<T> all_reduce_max(const Communicator &comm, const std::vector<T> &values) {
-  return all_reduce_elementwise(comm, values, boost::mpi::maximum<T>());
+  return all_reduce_ordered<T, boost::mpi::maximum>(comm, values);
+}
+template <Number T> T all_reduce_min(const Communicator &comm, T value) {
+  return all_reduce_min(comm, std::vector<T>{value}).front();
+}
+template <Number T> T all_reduce_max(const Communicator &comm, T value) {
+  return all_reduce_max(comm, std::vector<T>{value}).front();
 }
 
 inline bool any_of_ranks(const Communicator &comm, bool value) {
