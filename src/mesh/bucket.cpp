@@ -28,16 +28,18 @@ double scale_of(double low, double high, double limit) {
 
 } // namespace
 
+BucketKernel::Box BucketKernel::box_of(Vertex first, Vertex count) {
+  Box box{*point(first), *point(first)};
+  for (Vertex v = first + 1; v < first + count; ++v)
+    box.add(*point(v));
+  return box;
+}
+
 Hull BucketKernel::triangulate(Vertex first, Vertex count, Vertex far_ghost) {
   first_ = first;
   count_ = count;
   gather();
-  const auto offset = static_cast<std::uintptr_t>(first) * sizeof(Point);
-  sphere_ = {{reinterpret_cast<const Point *>(reinterpret_cast<std::uintptr_t>(points_.data()) - offset)},
-             origin_,
-             twin_,
-             first + count,
-             guard_};
+  sphere_ = {{points_.data() - first}, origin_, twin_, first + count, guard_};
   sort_into_cells();
   const Hull hull = conquer_cells(0, 0);
   HalfEdge ghost = hull.first[0];
@@ -55,13 +57,12 @@ void BucketKernel::gather() {
     scratch_.resize(n);
     key_.resize(n);
   }
-  low_ = high_ = sites_[static_cast<std::size_t>(*index(first_))];
+  box_.low = box_.high = sites_[static_cast<std::size_t>(*index(first_))];
   for (std::size_t i = 0; i < n; ++i) {
     const LocalIndex site = index(first_)[i];
     const Point p = sites_[static_cast<std::size_t>(site)];
     scratch_[i] = {p, site};
-    low_ = {std::min(low_.x, p.x), std::min(low_.y, p.y)};
-    high_ = {std::max(high_.x, p.x), std::max(high_.y, p.y)};
+    box_.add(p);
   }
   points_[n] = far_away;
 }
@@ -73,8 +74,8 @@ void BucketKernel::sort_into_cells() {
   bits_ = n < 2 * per_cell || !fixed_point_is_safe()
               ? 0
               : static_cast<unsigned>(std::bit_width(n / per_cell)) - 1;
-  double width = high_.x - low_.x;
-  double height = high_.y - low_.y;
+  double width = box_.high.x - box_.low.x;
+  double height = box_.high.y - box_.low.y;
   axis_of_level_.clear();
   std::array<unsigned, 2> levels{};
   for (unsigned level = 0; level < bits_; ++level) {
@@ -95,14 +96,14 @@ void BucketKernel::sort_into_cells() {
           spread[axis][cell] |= static_cast<std::uint32_t>(cell >> bit & 1) << (bits_ - 1 - level);
       }
   }
-  const double x_scale = scale_of(low_.x, high_.x, static_cast<double>(spread[0].size()));
-  const double y_scale = scale_of(low_.y, high_.y, static_cast<double>(spread[1].size()));
+  const double x_scale = scale_of(box_.low.x, box_.high.x, static_cast<double>(spread[0].size()));
+  const double y_scale = scale_of(box_.low.y, box_.high.y, static_cast<double>(spread[1].size()));
   const std::size_t cells = std::size_t{1} << bits_;
   cell_start_.assign(cells + 1, 0);
   for (std::size_t i = 0; i < n; ++i) {
     const Point p = scratch_[i].point;
-    const auto x = static_cast<std::uint32_t>(static_cast<std::int32_t>((p.x - low_.x) * x_scale));
-    const auto y = static_cast<std::uint32_t>(static_cast<std::int32_t>((p.y - low_.y) * y_scale));
+    const auto x = static_cast<std::uint32_t>(static_cast<std::int32_t>((p.x - box_.low.x) * x_scale));
+    const auto y = static_cast<std::uint32_t>(static_cast<std::int32_t>((p.y - box_.low.y) * y_scale));
     key_[i] = spread[0][x] | spread[1][y];
     ++cell_start_[key_[i]];
   }
@@ -130,14 +131,14 @@ Hull BucketKernel::conquer_cells(std::size_t cell, unsigned level) {
   if (count <= few)
     return conquer_few(first, count);
   if (level == bits_)
-    return conquer_by_medians(first, count);
+    return conquer_by_median(first, count);
   const Vertex left_count = cell_start_[cell + cells / 2] - first;
   if (left_count == 0)
     return conquer_cells(cell + cells / 2, level + 1);
   if (left_count == count)
     return conquer_cells(cell, level + 1);
   if (left_count == 1 || left_count == count - 1)
-    return conquer_by_medians(first, count);
+    return conquer_by_median(first, count);
   const Hull left = conquer_cells(cell, level + 1);
   const Hull right = conquer_cells(cell + cells / 2, level + 1);
   return sphere_.merge(left, right, axis_of_level_[level], 6 * (first + left_count) - 6);
@@ -190,58 +191,40 @@ Hull BucketKernel::conquer_few(Vertex first, Vertex count) {
     return sphere_.three_sites(first);
   if (Hull hull; count == 4 && sphere_.four_sites(first, hull))
     return hull;
-  Point low = *point(first);
-  Point high = low;
-  for (Vertex v = first + 1; v < first + count; ++v) {
-    const Point p = *point(v);
-    low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-  }
-  const unsigned axis = high.y - low.y > high.x - low.x ? 1 : 0;
+  const Box box = box_of(first, count);
+  const unsigned axis = box.longer_side();
   const Vertex half = half_of(count);
-  const double least = axis == 0 ? low.x : low.y;
-  const double greatest = axis == 0 ? high.x : high.y;
+  const double least = axis == 0 ? box.low.x : box.low.y;
+  const double greatest = axis == 0 ? box.high.x : box.high.y;
   if (!fixed_point_is_safe() ||
       !(count <= few / 2 ? sort_by_rank<few / 2>(first, count, half, axis, least, greatest)
                          : sort_by_rank<few>(first, count, half, axis, least, greatest)))
-    return conquer_by_medians(first, count);
+    return conquer_by_median(first, count);
   const Hull left = conquer_few(first, half);
   const Hull right = conquer_few(first + half, count - half);
   return sphere_.merge(left, right, axis, 6 * (first + half) - 6);
 }
 
-/// The way that always works: exact medians, ties by the other coordinate.
-Hull BucketKernel::conquer_by_medians(Vertex first, Vertex count) {
-  std::vector<Numbered> sites(static_cast<std::size_t>(count));
+/// The way that always works: an exact median, ties by the other coordinate. At least four sites.
+Hull BucketKernel::conquer_by_median(Vertex first, Vertex count) {
+  const std::span<Numbered> sites = std::span(scratch_).first(static_cast<std::size_t>(count));
   for (std::size_t i = 0; i < sites.size(); ++i)
     sites[i] = {point(first)[i], index(first)[i]};
-  cut_at_medians(sites, 0);
+  const Box box = box_of(first, count);
+  const unsigned axis = box.longer_side();
+  const Vertex half = count <= few ? half_of(count) : count / 2;
+  std::ranges::nth_element(sites, sites.begin() + half, [axis](const Numbered &a, const Numbered &b) {
+    return less_along(a.point, b.point, axis);
+  });
   for (std::size_t i = 0; i < sites.size(); ++i) {
     point(first)[i] = sites[i].point;
     index(first)[i] = sites[i].index;
   }
-  return conquer_halves(first, count, 0);
-}
-
-void BucketKernel::cut_at_medians(std::span<Numbered> sites, unsigned axis) {
-  if (sites.size() <= 3)
-    return;
-  const std::size_t half = sites.size() / 2;
-  std::nth_element(
-      sites.begin(), sites.begin() + static_cast<std::ptrdiff_t>(half), sites.end(),
-      [axis](const Numbered &a, const Numbered &b) { return less_along(a.point, b.point, axis); });
-  cut_at_medians(sites.first(half), 1 - axis);
-  cut_at_medians(sites.subspan(half), 1 - axis);
-}
-
-Hull BucketKernel::conquer_halves(Vertex first, Vertex count, unsigned axis) {
-  if (count == 2)
-    return sphere_.two_sites(first);
-  if (count == 3)
-    return sphere_.three_sites(first);
-  const Vertex half = count / 2;
-  const Hull left = conquer_halves(first, half, 1 - axis);
-  const Hull right = conquer_halves(first + half, count - half, 1 - axis);
+  const auto conquer = [this](Vertex from, Vertex size) {
+    return size <= few ? conquer_few(from, size) : conquer_by_median(from, size);
+  };
+  const Hull left = conquer(first, half);
+  const Hull right = conquer(first + half, count - half);
   return sphere_.merge(left, right, axis, 6 * (first + half) - 6);
 }
 

@@ -4,6 +4,7 @@
 
 #include "sphere.hpp"
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -33,6 +34,16 @@ private:
     LocalIndex index;
   };
 
+  struct Box {
+    Point low;
+    Point high;
+    void add(Point p) {
+      low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+    }
+    unsigned longer_side() const { return high.y - low.y > high.x - low.x ? 1 : 0; }
+  };
+
   /// Differences of coordinates do not overflow.
   bool fixed_point_is_safe() const { return guard_ < no_filter; }
   void gather();
@@ -41,9 +52,8 @@ private:
   Hull conquer_few(Vertex first, Vertex count);
   template <std::size_t lanes>
   bool sort_by_rank(Vertex first, Vertex count, Vertex half, unsigned axis, double low, double high);
-  Hull conquer_by_medians(Vertex first, Vertex count);
-  void cut_at_medians(std::span<Numbered> sites, unsigned axis);
-  Hull conquer_halves(Vertex first, Vertex count, unsigned axis);
+  Hull conquer_by_median(Vertex first, Vertex count);
+  Box box_of(Vertex first, Vertex count);
 
   Point *point(Vertex v) { return points_.data() + (v - first_); }
   LocalIndex *index(Vertex v) { return order_.data() + v; }
@@ -57,8 +67,7 @@ private:
   Vertex first_ = 0;
   Vertex count_ = 0;
   Sphere<NearSites> sphere_{};
-  Point low_{};
-  Point high_{};
+  Box box_{};
   std::vector<Point> points_;           ///< of the bucket, in cut order, and the point at infinity
   std::vector<Numbered> scratch_;       ///< the bucket before it is sorted
   std::vector<std::uint32_t> key_;      ///< cells of the sites before they are sorted
