@@ -33,6 +33,9 @@ public:
   void group(const char *name) const {
     const Handle properties(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, "cannot make a property list");
     hdf5::check(H5Pset_obj_track_times(properties.id(), false), "cannot do without times");
+    // Links and attributes in the object itself, where a few reads find them all.
+    hdf5::check(H5Pset_link_phase_change(properties.id(), 64, 32), "cannot keep links together");
+    hdf5::check(H5Pset_attr_phase_change(properties.id(), 64, 32), "cannot keep attributes together");
     const Handle made(H5Gcreate2(file_, name, H5P_DEFAULT, properties.id(), H5P_DEFAULT), H5Gclose,
                       "cannot be made", name);
   }
@@ -213,7 +216,11 @@ std::int64_t estimated_bytes(const DistributedMesh &mesh, const Extents &extents
 Skeleton make_skeleton(const std::string &path, const DistributedMesh &mesh, const Extents &extents,
                        const std::vector<std::string> &names) {
   const Handle access = hdf5::unlocked_access();
-  Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose, "cannot be made");
+  // The format of HDF5 1.8 has checksums over all metadata. Damage in that of 1.6 crashes the library itself.
+  hdf5::check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_V18, H5F_LIBVER_V18), "cannot set the version");
+  const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "cannot make a property list");
+  hdf5::check(H5Pset_obj_track_times(creation.id(), false), "cannot do without times"); // of the root group
+  Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), H5Fclose, "cannot be made");
   Skeleton skeleton;
   {
     Maker make(file.id());

@@ -8,9 +8,11 @@
 #include <boost/mpi/communicator.hpp>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <thread>
 
 using namespace dovetail;
 using dovetail::testing::TemporaryFolder;
@@ -145,6 +147,16 @@ TEST(VtkHdf, BytesDoNotDependOnRanksOrBuffers) {
     MPI_Barrier(comm.raw());
     expect_same(read_mesh(comm, folder.file("one.vtkhdf")), mesh_of(test, comm));
   }
+}
+
+TEST(VtkHdf, BytesDoNotDependOnTheTime) {
+  const Communicator comm = world();
+  const TemporaryFolder folder(comm);
+  const Case test = cases()[0];
+  write_mesh(comm, mesh_of(test, comm), folder.file("now.vtkhdf"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100)); // HDF5 would note seconds
+  write_mesh(comm, mesh_of(test, comm), folder.file("later.vtkhdf"));
+  EXPECT_TRUE(bytes_of(folder.file("now.vtkhdf")) == bytes_of(folder.file("later.vtkhdf")));
 }
 
 TEST(VtkHdf, ReplacesAnOlderFileAndAForgottenPartialOne) {

@@ -2,6 +2,7 @@
 /// partition for each slab, and beside it, in the group "dovetail", all else that a DistributedMesh holds.
 ///
 /// The bytes of a file are a function of the mesh alone: the same for every number of ranks, on every day.
+/// HDF5 1.8 and later read it; all its metadata has checksums.
 ///
 /// Group VTKHDF (VTKHDF 1.0), for slabs s with V(s) vertices and T(s) triangles, one slab after the other:
 ///   Points f64 (V, 3), the third column being the attribute "z", or 0; Connectivity i32 (3 T) and Offsets
