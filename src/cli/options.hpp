@@ -3,6 +3,7 @@
 
 #include "command.hpp"
 #include "progress.hpp"
+#include "text.hpp"
 
 #include "dovetail/base/progress.hpp"
 
@@ -25,6 +26,14 @@ void add_telling_options(CLI::App &parser, Telling &telling);
 /// Adds `--class 2,9`.
 void add_class_option(CLI::App &parser, std::vector<int> &classes);
 
+/// "auto, x, y", say.
+template <class Value> std::string names_in(const std::map<std::string, Value> &words) {
+  std::vector<std::string> names;
+  for (const auto &[name, value] : words)
+    names.push_back(name);
+  return joined(names, ", ");
+}
+
 /// Adds an option whose value is one of `words`.
 template <class Value>
 CLI::Option *add_word_option(CLI::App &parser, const std::string &name, Value &value,
@@ -34,7 +43,7 @@ CLI::Option *add_word_option(CLI::App &parser, const std::string &name, Value &v
       [&value, words, name](const std::string &word) {
         const auto found = words.find(word);
         if (found == words.end())
-          throw CLI::ValidationError(name, "'" + word + "' is none of its values");
+          throw CLI::ValidationError(name, "'" + word + "' is none of " + names_in(words));
         value = found->second;
       },
       description);

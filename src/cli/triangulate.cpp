@@ -9,6 +9,7 @@
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/comm/phases.hpp"
 #include "dovetail/distributed/triangulate.hpp"
+#include "dovetail/distributed/validate.hpp"
 #include "dovetail/io/mesh.hpp"
 #include "dovetail/io/points.hpp"
 #include "dovetail/mesh/checksum.hpp"
@@ -20,6 +21,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 
 namespace dovetail::cli {
 namespace {
@@ -45,10 +47,14 @@ struct Outcome {
   DistributedMesh mesh;
   std::vector<PhaseSummary> phases;
   std::int64_t peak_rss_max_bytes = 0;
+  std::optional<ValidationReport> validation; ///< of a mesh that is not written
 };
 
 Outcome run_phases(const TriangulateCommand &command, const Communicator &comm) {
-  ProgressMeter meter(progress_style(comm.is_root(), command.telling), usual_shares);
+  std::vector<Stage> stages = usual_shares;
+  if (!command.writes())
+    stages.back() = {"check", 8};
+  ProgressMeter meter(progress_style(comm.is_root(), command.telling), stages);
   PhaseLog phases(comm);
   Outcome outcome;
 
@@ -64,6 +70,9 @@ Outcome run_phases(const TriangulateCommand &command, const Communicator &comm) 
     meter.begin("write");
     phases.measure("write", [&] { write_mesh(comm, outcome.mesh, command.output); });
     outcome.peak_rss_max_bytes = all_reduce_max(comm, peak_rss_bytes());
+  } else {
+    meter.begin("check");
+    outcome.validation = phases.measure("check", [&] { return validate(comm, outcome.mesh); });
   }
   outcome.phases = summarise(comm, phases);
   return outcome;
@@ -85,6 +94,8 @@ Report report_of(const TriangulateCommand &command, const Session &session, cons
   report["triangles"] = mesh.triangle_count();
   report["hull_edges"] = mesh.hull_edges;
   report["checksum"] = checksum_text(mesh.checksum);
+  if (outcome.validation)
+    report["valid"] = outcome.validation->valid;
   report["peak_rss_max_bytes"] = outcome.peak_rss_max_bytes;
   report["own_sites_max"] = statistics.own_sites_max;
   report["path_sites_max"] = statistics.path_sites_max;
@@ -131,6 +142,8 @@ void print_outcome(const TriangulateCommand &command, const Session &session, co
     print_row("notice", no_triangles_reason(sites));
   print_row("hull edges", with_separators(mesh.hull_edges));
   print_row("checksum", checksum_text(mesh.checksum));
+  if (outcome.validation)
+    print_row("checked", outcome.validation->valid ? "valid, in exact arithmetic" : "NOT VALID");
   print_row("time", times_text(session, outcome.phases));
   print_row("memory", fmt::format("{} on the largest of {}", size_text(outcome.peak_rss_max_bytes),
                                   counted(session.comm.size(), "rank", "ranks")));
@@ -147,6 +160,12 @@ ExitCode run_triangulate(const TriangulateCommand &command, const Session &sessi
   write_report(session, report_of(command, session, outcome), command.telling.report);
   if (comm.is_root() && !command.telling.quiet)
     print_outcome(command, session, outcome);
+  if (outcome.validation && !outcome.validation->valid) {
+    if (comm.is_root())
+      print_violations(joined(command.inputs, " "), "please report this fault of dovetail",
+                       *outcome.validation);
+    return failure;
+  }
   return success;
 }
 
