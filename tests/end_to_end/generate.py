@@ -51,7 +51,7 @@ class Generate(harness.TestCase):
         path = self.folder / "loud.npy"
         run = self.succeed("generate", "uniform", "-n", "1234567", "-o", path, ranks=2)
         self.assertIn("1,234,567", run.out)
-        self.assertEqual(run.out.count("\n"), 2, run)
+        self.assertEqual(run.out.count("\n"), 3, run)
         self.assertEqual(self.succeed("generate", "uniform", "-n", "10", "-o", path, "--quiet").out, "")
 
 

@@ -15,6 +15,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import uuid
 
 COMMAND = os.environ["DOVETAIL_COMMAND"]
 MPIEXEC = os.environ.get("DOVETAIL_MPIEXEC", "mpiexec")
@@ -112,10 +113,10 @@ class TestCase(unittest.TestCase):
 
     def report_of(self, *arguments, **how):
         """The JSON report of a run that succeeds; the run is in its "run"."""
-        path = self.folder / "report.json"
-        path.unlink(missing_ok=True)
+        path = self.folder / f"{uuid.uuid4()}.json"
         run = self.succeed(*arguments, "--report", path, **how)
         report = json.loads(path.read_text())
+        path.unlink()
         report["run"] = run
         return report
 
