@@ -1,5 +1,10 @@
-/// Canonical Delaunay triangulation of one process's points by divide and conquer with alternating cuts
-/// (Guibas and Stolfi 1985, Dwyer 1987).
+/// Canonical Delaunay triangulation of one process's points by divide and conquer with cuts across the longer
+/// side (Guibas and Stolfi, Primitives for the manipulation of general subdivisions, 1985; Dwyer, A faster
+/// divide-and-conquer algorithm for constructing Delaunay triangulations, 1987; ghost triangles as in
+/// Shewchuk, Triangle, 1996).
+///
+/// How it works is told in src/mesh, to be read in this order: sphere.hpp (the data structure), merge.hpp
+/// (the merge), sight.hpp (its filter), bucket.hpp and median_tree.hpp (the cuts).
 #pragma once
 
 #include "dovetail/mesh/triangulation.hpp"
@@ -8,8 +13,8 @@ namespace dovetail {
 
 /// The canonical Delaunay triangulation of distinct sites in any order. Local.
 /// No triangles if all sites are collinear. The order of triangles and which corner comes first depend on the
-/// sites and their order alone. Sites must be distinct and at most 2^31 / 6. O(n log n); expected O(n) work
-/// in merges for uniform sites.
+/// sites and their order alone. Sites must be distinct; more than 2^31 / 6 are an Error. O(n log n), with
+/// expected O(n) work in merges for uniform sites; 48 bytes a site for the result and five while it works.
 Triangulation delaunay(std::span<const Point> sites);
 
 } // namespace dovetail
