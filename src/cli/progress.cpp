@@ -12,12 +12,8 @@ namespace {
 constexpr auto line_interval = std::chrono::seconds(5);
 constexpr auto live_interval = std::chrono::milliseconds(500);
 
-/// How much of a stage is done if only its usual length is known. A stage that takes longer than usual creeps
-/// towards its end and never passes it.
-double guessed_fraction(double gone, double expected) {
-  if (gone < 0.9 * expected)
-    return gone / expected;
-  return 1 - 0.09 * expected / gone;
+double seconds_between(std::chrono::steady_clock::time_point from, std::chrono::steady_clock::time_point to) {
+  return std::chrono::duration<double>(to - from).count();
 }
 
 } // namespace
@@ -40,7 +36,7 @@ void ProgressMeter::begin_locked(std::string_view name) {
     return;
   current_ = static_cast<std::size_t>(stage - stages_.begin());
   stage_start_ = Clock::now();
-  told_fraction_ = 0;
+  told_ = 0;
 }
 
 void ProgressMeter::update(std::string_view name, double fraction) {
@@ -49,8 +45,11 @@ void ProgressMeter::update(std::string_view name, double fraction) {
     return;
   if (stages_[current_].name != name)
     begin_locked(name);
-  if (stages_[current_].name == name)
-    told_fraction_ = std::clamp(fraction, 0.0, 1.0);
+  if (stages_[current_].name != name || fraction <= told_)
+    return;
+  told_step_ = std::min(fraction, 1.0) - told_;
+  told_ = std::min(fraction, 1.0);
+  told_at_ = Clock::now();
 }
 
 void ProgressMeter::finish() {
@@ -83,6 +82,25 @@ void ProgressMeter::run() {
   }
 }
 
+/// How much of the stage under way is done, as far as anybody can know.
+std::optional<double> ProgressMeter::stage_fraction(Clock::time_point now) const {
+  if (told_ > 0) {
+    // It may tell rarely, say of one slab after another: go on at its speed, but not beyond what comes next.
+    const double until_told = seconds_between(stage_start_, told_at_);
+    const double in_stage = seconds_between(stage_start_, now);
+    const double reached = until_told > 0 ? told_ * in_stage / until_told : told_;
+    return std::min({reached, told_ + told_step_, 1.0});
+  }
+  double before = 0;
+  for (std::size_t s = 0; s < current_; ++s)
+    before += stages_[s].weight;
+  if (before <= 0)
+    return std::nullopt;
+  const double expected = stages_[current_].weight * seconds_between(start_, stage_start_) / before;
+  const double in_stage = seconds_between(stage_start_, now);
+  return in_stage < expected ? std::optional(in_stage / expected) : std::nullopt;
+}
+
 std::string ProgressMeter::line(Clock::time_point now) const {
   double total = 0;
   double before = 0;
@@ -90,21 +108,13 @@ std::string ProgressMeter::line(Clock::time_point now) const {
     total += stages_[s].weight;
     before += s < current_ ? stages_[s].weight : 0;
   }
-  const double elapsed = std::chrono::duration<double>(now - start_).count();
-  const double in_stage = std::chrono::duration<double>(now - stage_start_).count();
-  const double before_stage = elapsed - in_stage;
-  std::string text =
+  const double elapsed = seconds_between(start_, now);
+  const std::string text =
       fmt::format("dovetail: {}, {} gone", stages_[current_].name, rough_duration_text(elapsed));
-
-  // What the stage tells may be coarse, a slab at a time; what is usual fills the gaps.
-  double fraction = told_fraction_;
-  if (before > 0 && before_stage > 0)
-    fraction =
-        std::max(fraction, guessed_fraction(in_stage, stages_[current_].weight * before_stage / before));
-  const double done = (before + stages_[current_].weight * fraction) / total;
-  // As long as nothing has been measured, nothing is promised.
-  if (done <= 0)
-    return text;
+  const std::optional<double> fraction = stage_fraction(now);
+  if (!fraction)
+    return before > 0 ? text + fmt::format(", over {:.0f} % done", 100 * before / total) : text;
+  const double done = (before + stages_[current_].weight * *fraction) / total;
   return text + fmt::format(", about {:.0f} % done, {} left", 100 * done,
                             rough_duration_text(elapsed * (1 - done) / done));
 }

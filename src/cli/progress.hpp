@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -24,8 +25,9 @@ enum class ProgressStyle {
 };
 
 /// Tells from a thread of its own, which never calls MPI, which stage is under way, how much of the run is
-/// done, and how long the rest will take if the stages share the time as they usually do. Nothing is printed
-/// in the first seconds: short runs stay silent. Local.
+/// done, and how long the rest will take if the stages share the time as they usually do. It promises nothing
+/// before it has measured something, nor when a stage takes longer than usual without telling how far it is.
+/// Nothing is printed in the first seconds: short runs stay silent. Local.
 class ProgressMeter {
 public:
   ProgressMeter(ProgressStyle style, std::vector<Stage> stages);
@@ -46,6 +48,7 @@ private:
   using Clock = std::chrono::steady_clock;
   void begin_locked(std::string_view name);
   void run();
+  std::optional<double> stage_fraction(Clock::time_point now) const;
   std::string line(Clock::time_point now) const;
 
   const ProgressStyle style_;
@@ -56,7 +59,9 @@ private:
   std::condition_variable wake_;
   std::size_t current_ = 0;
   Clock::time_point stage_start_ = start_;
-  double told_fraction_ = 0;
+  double told_ = 0;                    ///< fraction of the stage, when last told
+  double told_step_ = 0;               ///< by how much it had grown
+  Clock::time_point told_at_ = start_; ///< when
   bool finished_ = false;
   std::thread thread_;
 };

@@ -38,8 +38,8 @@ struct TriangulateCommand {
 constexpr std::array<std::string_view, 1> output_extensions{".vtkhdf"};
 const std::vector<std::string> phase_names{"read", "sort", "split", "triangulate", "stitch", "write"};
 /// Shares of the time of ten million points on two ranks.
-const std::vector<Stage> usual_shares{{"read", 1},         {"sort", 3},   {"split", 0.5},
-                                      {"triangulate", 12}, {"stitch", 1}, {"write", 5}};
+const std::vector<Stage> usual_shares{{"read", 0.5},       {"sort", 2.5},   {"split", 0.3},
+                                      {"triangulate", 15}, {"stitch", 0.1}, {"write", 3}};
 
 /// What is known of a finished run, the same on all ranks.
 struct Outcome {
@@ -53,7 +53,7 @@ struct Outcome {
 Outcome run_phases(const TriangulateCommand &command, const Communicator &comm) {
   std::vector<Stage> stages = usual_shares;
   if (!command.writes())
-    stages.back() = {"check", 8};
+    stages.back() = {"check", 40};
   ProgressMeter meter(progress_style(comm.is_root(), command.telling), stages);
   PhaseLog phases(comm);
   Outcome outcome;
@@ -72,7 +72,8 @@ Outcome run_phases(const TriangulateCommand &command, const Communicator &comm) 
     outcome.peak_rss_max_bytes = all_reduce_max(comm, peak_rss_bytes());
   } else {
     meter.begin("check");
-    outcome.validation = phases.measure("check", [&] { return validate(comm, outcome.mesh); });
+    outcome.validation =
+        phases.measure("check", [&] { return validate(comm, outcome.mesh, options.slabs.progress); });
   }
   outcome.phases = summarise(comm, phases);
   return outcome;

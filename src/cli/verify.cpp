@@ -54,12 +54,12 @@ ValidationReport check(const VerifyOptions &options, const Communicator &comm, P
   mesh = phases.measure("read", [&] { return read_mesh(comm, options.mesh); });
   if (options.points.empty()) {
     meter.begin("check");
-    return phases.measure("check", [&] { return validate(comm, mesh); });
+    return phases.measure("check", [&] { return validate(comm, mesh, progress_into(meter)); });
   }
   const PointInput input =
       phases.measure("read", [&] { return read_points(comm, options.points, options.reading); });
   meter.begin("check");
-  return phases.measure("check", [&] { return validate(comm, mesh, input.points); });
+  return phases.measure("check", [&] { return validate(comm, mesh, input.points, progress_into(meter)); });
 }
 
 Report report_of(const VerifyOptions &options, const Session &session, const DistributedMesh &mesh,
@@ -113,7 +113,7 @@ ExitCode verify(const VerifyOptions &options, const Session &session) {
   inputs.push_back(options.mesh);
   check_report(comm, options.telling.report, inputs, "");
 
-  ProgressMeter meter(progress_style(comm.is_root(), options.telling), {{"read", 1}, {"check", 18}});
+  ProgressMeter meter(progress_style(comm.is_root(), options.telling), {{"read", 1}, {"check", 30}});
   PhaseLog phases(comm);
   DistributedMesh mesh;
   const ValidationReport found = check(options, comm, meter, phases, mesh);

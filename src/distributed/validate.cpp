@@ -2,6 +2,7 @@
 
 #include "validation.hpp"
 
+#include "dovetail/comm/agreement.hpp"
 #include "dovetail/comm/serialization.hpp"
 
 #include <fmt/format.h>
@@ -74,7 +75,8 @@ ValidationReport combine(const Communicator &comm, const Findings &findings) {
   return report;
 }
 
-ValidationReport run(const Communicator &comm, const DistributedMesh &mesh, const PointTable *points) {
+ValidationReport run(const Communicator &comm, const DistributedMesh &mesh, const PointTable *points,
+                     const Progress &progress) {
   Findings findings;
   const std::vector<int> first_slabs = validation::check_layout(comm, mesh, findings);
   if (first_slabs.empty() || !validation::check_coordinates(comm, mesh, findings))
@@ -84,7 +86,7 @@ ValidationReport run(const Communicator &comm, const DistributedMesh &mesh, cons
   if (mesh.triangle_count() == 0) {
     validation::check_collinear(comm, mesh, findings);
   } else {
-    validation::check_triangles(mesh, findings);
+    collectively(comm, [&] { validation::check_triangles(mesh, findings, progress); });
     validation::check_borders(comm, mesh, owners, findings);
     validation::check_hull(comm, mesh, owners, findings);
     validation::check_ghosts_and_use(comm, mesh, owners, findings);
@@ -107,12 +109,13 @@ std::string_view name_of(ViolationKind kind) {
   return names[at(kind)];
 }
 
-ValidationReport validate(const Communicator &comm, const DistributedMesh &mesh) {
-  return run(comm, mesh, nullptr);
+ValidationReport validate(const Communicator &comm, const DistributedMesh &mesh, const Progress &progress) {
+  return run(comm, mesh, nullptr, progress);
 }
 
-ValidationReport validate(const Communicator &comm, const DistributedMesh &mesh, const PointTable &points) {
-  return run(comm, mesh, &points);
+ValidationReport validate(const Communicator &comm, const DistributedMesh &mesh, const PointTable &points,
+                          const Progress &progress) {
+  return run(comm, mesh, &points, progress);
 }
 
 } // namespace dovetail

@@ -61,10 +61,17 @@ void check_inner_side(const SlabMesh &slab, int s, LocalIndex side, bool oriente
 
 } // namespace
 
-void check_triangles(const DistributedMesh &mesh, Findings &findings) {
+void check_triangles(const DistributedMesh &mesh, Findings &findings, const Progress &progress) {
+  GlobalIndex all = 0;
+  for (const SlabMesh &slab : mesh.slabs)
+    all += slab.triangles.triangle_count();
+  constexpr GlobalIndex interval = 1 << 16;
+  GlobalIndex done = 0;
   int s = mesh.first_slab;
   for (const SlabMesh &slab : mesh.slabs) {
     for (LocalIndex t = 0; t < slab.triangles.triangle_count(); ++t) {
+      if (++done % interval == 0)
+        report_progress(progress, "check", static_cast<double>(done) / static_cast<double>(all));
       const LocalIndex *corners = &slab.triangles.corners[at(3 * t)];
       const bool oriented = is_counter_clockwise(slab, t);
       if (!oriented)

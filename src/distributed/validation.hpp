@@ -112,7 +112,7 @@ const std::vector<double> *z_of(const PointTable &table);
 /// "slab 3, triangle 12 (sites 4, 5, 6)", in global numbers.
 std::string place_of(const SlabMesh &slab, int s, LocalIndex triangle);
 
-// The parts. All are Collective and add to `findings`; those after the first need a sound layout.
+// The parts. All but one are Collective and add to `findings`; those after the first need a sound layout.
 
 /// Returns the first slab of every rank and the number of slabs, or nothing, on all ranks alike, if array
 /// sizes and index ranges do not fit together.
@@ -120,8 +120,8 @@ std::vector<int> check_layout(const Communicator &comm, const DistributedMesh &m
 /// False, on all ranks alike, if a coordinate is not finite: no predicate may see it.
 bool check_coordinates(const Communicator &comm, const DistributedMesh &mesh, Findings &findings);
 void check_order_and_lines(const Communicator &comm, const DistributedMesh &mesh, Findings &findings);
-/// Every triangle's orientation and slab, every inner edge but those on borders.
-void check_triangles(const DistributedMesh &mesh, Findings &findings);
+/// Local. Every triangle's orientation and slab, every inner edge but those on borders.
+void check_triangles(const DistributedMesh &mesh, Findings &findings, const Progress &progress);
 void check_borders(const Communicator &comm, const DistributedMesh &mesh, const Ownership &owners,
                    Findings &findings);
 void check_hull(const Communicator &comm, const DistributedMesh &mesh, const Ownership &owners,

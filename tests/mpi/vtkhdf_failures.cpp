@@ -159,7 +159,7 @@ TEST(VtkHdfFailures, FilesThatAreNoMesh) {
   const Communicator comm = world();
   const TemporaryFolder folder(comm);
   if (comm.is_root()) {
-    std::ofstream(folder.file("empty.vtkhdf"));
+    std::ofstream(folder.file("empty.vtkhdf")) << "";
     std::ofstream(folder.file("text.vtkhdf")) << "this is not HDF5\n";
     H5Fclose(H5Fcreate(folder.file("other.vtkhdf").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
   }

@@ -8,6 +8,7 @@
 /// ghosts, numbers, duplicates, checksum, digest) is compared with what its sites and triangles say.
 #pragma once
 
+#include "dovetail/base/progress.hpp"
 #include "dovetail/comm/communicator.hpp"
 #include "dovetail/distributed/mesh.hpp"
 
@@ -70,10 +71,13 @@ struct ValidationReport {
 
 /// Collective. Needs memory for what crosses between ranks: borders, ghosts, hull and paths.
 /// Three exact predicates a triangle and one an edge.
-ValidationReport validate(const Communicator &comm, const DistributedMesh &mesh);
+/// `progress` hears of the stage "check", which is the triangles' share: nearly all of the work.
+ValidationReport validate(const Communicator &comm, const DistributedMesh &mesh,
+                          const Progress &progress = {});
 
 /// Collective. The same, and every point of the original input, spread over the ranks in any way, must be
 /// exactly one site or listed duplicate with the same coordinates and z, and the other way round.
-ValidationReport validate(const Communicator &comm, const DistributedMesh &mesh, const PointTable &points);
+ValidationReport validate(const Communicator &comm, const DistributedMesh &mesh, const PointTable &points,
+                          const Progress &progress = {});
 
 } // namespace dovetail
