@@ -7,6 +7,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 namespace dovetail::divide_and_conquer {
 namespace {
@@ -39,7 +40,7 @@ Hull BucketKernel::triangulate(Vertex first, Vertex count, Vertex far_ghost) {
   first_ = first;
   count_ = count;
   gather();
-  sphere_ = {{points_.data() - first}, origin_, twin_, first + count, guard_};
+  sphere_ = {{points_.data(), first}, origin_, twin_, first + count, guard_};
   sort_into_cells();
   const Hull hull = conquer_cells(0, 0);
   HalfEdge ghost = hull.first[0];

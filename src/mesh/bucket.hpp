@@ -5,6 +5,7 @@
 #include "sphere.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -12,9 +13,18 @@ namespace dovetail::divide_and_conquer {
 
 /// Coordinates of a bucket under the vertex numbers of the whole. One more, the last, is the point at
 /// infinity.
-struct NearSites {
-  const Point *origin; ///< where vertex 0 would be
-  const Point &operator[](Vertex v) const { return origin[v]; }
+class NearSites {
+public:
+  NearSites() = default;
+  NearSites(const Point *points, Vertex first)
+      : origin_(reinterpret_cast<std::uintptr_t>(points) - offset_of(first)) {}
+  Point operator[](Vertex v) const { return *reinterpret_cast<const Point *>(origin_ + offset_of(v)); }
+
+private:
+  static std::uintptr_t offset_of(Vertex v) { return static_cast<std::uintptr_t>(v) * sizeof(Point); }
+  /// Address that vertex 0 would have. A pointer must not leave its array, not even on the way; and to
+  /// subtract `first` at every access would cost an instruction in the innermost loops.
+  std::uintptr_t origin_ = 0;
 };
 
 /// Works on one bucket after another in the same memory.
