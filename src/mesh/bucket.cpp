@@ -75,6 +75,14 @@ void BucketKernel::sort_into_cells() {
   bits_ = n < 2 * per_cell || !fixed_point_is_safe()
               ? 0
               : static_cast<unsigned>(std::bit_width(n / per_cell)) - 1;
+  if (bits_ == 0) { // one cell; where differences may overflow, nothing here may be computed
+    for (std::size_t i = 0; i < n; ++i) {
+      points_[i] = scratch_[i].point;
+      index(first_)[i] = scratch_[i].index;
+    }
+    cell_start_ = {narrow(first_), narrow(first_ + count_)};
+    return;
+  }
   double width = box_.high.x - box_.low.x;
   double height = box_.high.y - box_.low.y;
   axis_of_level_.clear();

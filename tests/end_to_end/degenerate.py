@@ -2,10 +2,13 @@
 
 import concurrent.futures
 import math
+import sys
 import unittest
 
 import harness
 from harness import write_f64
+
+GREATEST = sys.float_info.max
 
 CASES = {
     # name: (points, sites, triangles or None)
@@ -24,6 +27,7 @@ CASES = {
     "same_x_but_one": ([(1.0, float(i)) for i in range(50)] + [(2.0, 7.5)], 51, 49),
     "square": ([(float(i // 8), float(i % 8)) for i in range(64)], 64, 98),
     "circle": ([(math.cos(i), math.sin(i)) for i in range(60)], 60, None),
+    "greatest": ([(GREATEST * ((i * 7 % 11 - 5) / 5), GREATEST * ((i * 5 % 13 - 6) / 6)) for i in range(12)], 12, None),
     "far_away": ([(i * 7 % 11 + 0.5, i * 5 % 13 + 0.25) for i in range(100)] + [(1e150, -1e150)], 101, None),
 }
 

@@ -14,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <limits>
 #include <random>
 
 namespace dovetail {
@@ -124,6 +125,20 @@ TEST(LargeAdversaries, Valid) {
   check("one far site", far);
   check("flat", steep);
   check("all scales", scales);
+}
+
+/// Coordinates up to the greatest double: differences overflow, and no fixed point may be made of them.
+TEST(GreatestCoordinates, Valid) {
+  constexpr double greatest = std::numeric_limits<double>::max();
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> uniform(-greatest / 2, greatest / 2);
+    std::vector<Point> sites{{-greatest, greatest}, {greatest, -greatest}};
+    for (unsigned i = 0; i < 1 + seed % 40; ++i)
+      sites.push_back({2 * uniform(random), 2 * uniform(random)});
+    const FaultReport report = validate(sites, delaunay(sites));
+    ASSERT_TRUE(report.valid()) << "seed " << seed << ": " << first_fault(report);
+  }
 }
 
 /// Coordinates of all magnitudes down to 2^-900, where products underflow and no filter can help.
