@@ -24,25 +24,25 @@ Bits bits_of(const Entry &entry) {
   return {entry.input_index, bits(entry.point.x), bits(entry.point.y), bits(entry.z)};
 }
 
-/// Those with an index in [begin, end).
-void add_input(const PointTable &points, GlobalIndex begin, GlobalIndex end, std::vector<Entry> &entries) {
+/// Those with an index from first to last.
+void add_input(const PointTable &points, GlobalIndex first, GlobalIndex last, std::vector<Entry> &entries) {
   const std::vector<double> *z = z_of(points);
   for (std::size_t i = 0; i < points.points.size(); ++i)
-    if (const GlobalIndex index = points.input_index[i]; index >= begin && index < end)
+    if (const GlobalIndex index = points.input_index[i]; index >= first && index <= last)
       entries.push_back({index, points.points[i], z ? (*z)[i] : 0.0});
 }
 
-void add_mesh(const DistributedMesh &mesh, GlobalIndex begin, GlobalIndex end, std::vector<Entry> &entries) {
+void add_mesh(const DistributedMesh &mesh, GlobalIndex first, GlobalIndex last, std::vector<Entry> &entries) {
   auto duplicate = mesh.duplicates.begin();
   for (const SlabMesh &slab : mesh.slabs) {
     const std::vector<double> *z = z_of(slab.vertices);
     for (std::size_t v = 0; v < at(slab.own_count); ++v)
-      if (const GlobalIndex index = slab.vertices.input_index[v]; index >= begin && index < end)
+      if (const GlobalIndex index = slab.vertices.input_index[v]; index >= first && index <= last)
         entries.push_back({index, slab.vertices.points[v], z ? (*z)[v] : 0.0});
     const GlobalIndex end_site = slab.first_site + slab.own_count;
     for (; duplicate != mesh.duplicates.end() && duplicate->site < end_site; ++duplicate)
-      if (duplicate->site >= slab.first_site && duplicate->input_index >= begin &&
-          duplicate->input_index < end)
+      if (duplicate->site >= slab.first_site && duplicate->input_index >= first &&
+          duplicate->input_index <= last)
         entries.push_back({duplicate->input_index,
                            slab.vertices.points[at(duplicate->site - slab.first_site)], duplicate->z});
   }
@@ -99,10 +99,10 @@ void check_input(const Communicator &comm, const DistributedMesh &mesh, const Po
     };
     // What the mesh has beyond all that the input has is compared with the first and last rounds.
     std::vector<Entry> own;
-    add_mesh(mesh, begin == 0 ? lowest : begin, end > last ? highest : end, own);
+    add_mesh(mesh, begin == 0 ? lowest : begin, end > last ? highest : end - 1, own);
     std::vector<Entry> of_mesh = deliver(comm, own, rank_of);
     own.clear();
-    add_input(points, begin == 0 ? lowest : begin, end, own);
+    add_input(points, begin == 0 ? lowest : begin, end - 1, own);
     std::vector<Entry> of_input = deliver(comm, own, rank_of);
     compare(of_input, of_mesh, findings);
   }

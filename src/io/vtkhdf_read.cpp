@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 
 namespace dovetail {
 namespace {
@@ -105,6 +106,8 @@ public:
                                          for (auto d = begin; d < end; ++d, in += 2)
                                            result[at(d)] = {in[0], in[1]};
                                        });
+    for (int s = first_slab; s < end_slab; ++s)
+      expect_duplicates_of(s, std::span(result), first);
     if (header_.has_z())
       hdf5::read_in_pieces<double>(columns_.duplicate_z, first, count, buffer_bytes,
                                    [&](auto begin, auto end, const double *in) {
@@ -124,6 +127,22 @@ private:
           reader_.refuse(fmt::format("{}, row {}", column.name, first + row),
                          fmt::format("is {} where {} must be", *in, expected(row)));
     });
+  }
+
+  [[noreturn]] void refuse_height(GlobalIndex row, double z) const {
+    reader_.refuse(fmt::format("{}, row {}", vtkhdf::points, row),
+                   fmt::format("has z = {} in a mesh without an attribute z", z));
+  }
+
+  /// Refuses duplicates of sites of other slabs: a mesh in memory keeps no offsets of them, so nobody else
+  /// would see that those in the file are wrong. `read` begins with row `first`.
+  void expect_duplicates_of(int s, std::span<const Duplicate> read, GlobalIndex first) const {
+    const Extents &extents = header_.extents;
+    for (GlobalIndex row = extents.duplicates[at(s)]; row < extents.duplicates[at(s) + 1]; ++row)
+      if (const GlobalIndex site = read[at(row - first)].site;
+          site < extents.sites[at(s)] || site >= extents.sites[at(s) + 1])
+        reader_.refuse(fmt::format("{}, row {}", vtkhdf::duplicates, row),
+                       fmt::format("is of site {}, which is not one of slab {}", site, s));
   }
 
   void read_vertices(int s, SlabMesh &slab) const {
@@ -146,6 +165,8 @@ private:
                                      table.points[at(v)] = {in[0], in[1]};
                                      if (z != nullptr)
                                        z[v] = in[2];
+                                     else if (!(in[2] == 0))
+                                       refuse_height(first + v, in[2]);
                                    }
                                  });
     table.input_index = rows<GlobalIndex>(columns_.input_index, first, count);

@@ -535,3 +535,21 @@ TEST(ValidateBroken, ForgedSums) {
     points = {};
   expect_found(validate(comm, mesh, points), Kind::input, true);
 }
+
+// A site that no input point has, under the greatest number there is: it belongs to the last round of
+// comparing.
+TEST(ValidateBroken, SiteBeyondAllInput) {
+  const Communicator comm = world();
+  PointTable points = oracle::table_of(oracle::random_points(60, 13));
+  PointTable more = points;
+  more.input_index.back() = std::numeric_limits<GlobalIndex>::max();
+  const DistributedMesh mesh = oracle::make_mesh(more, {slabs, Axis::x, comm.rank(), comm.size()});
+  EXPECT_TRUE(validate(comm, mesh).valid);
+  points.points.pop_back();
+  points.input_index.pop_back();
+  for (Attribute &attribute : points.attributes)
+    attribute.values.pop_back();
+  if (!comm.is_root())
+    points = {};
+  expect_found(validate(comm, mesh, points), Kind::input, true);
+}

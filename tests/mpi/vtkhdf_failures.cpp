@@ -218,11 +218,22 @@ public:
     H5Sclose(space);
   }
 
-  /// Sets one number of a dataset; 64-bit integers only, or whatever HDF5 converts them to.
-  void set(const char *name, hsize_t row, std::int64_t value) const {
+  /// One of the numbers of a dataset of 64-bit integers.
+  std::int64_t row(const char *name, std::size_t row) const {
     const hid_t dataset = H5Dopen2(file_, name, H5P_DEFAULT);
     const hid_t space = H5Dget_space(dataset);
-    const std::vector<hsize_t> coordinates{row, 0};
+    std::vector<std::int64_t> values(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
+    EXPECT_GE(H5Dread(dataset, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), 0) << name;
+    H5Sclose(space);
+    H5Dclose(dataset);
+    return values.at(row);
+  }
+
+  /// Sets one number of a dataset; 64-bit integers only, or whatever HDF5 converts them to.
+  void set(const char *name, hsize_t row, std::int64_t value, hsize_t column = 0) const {
+    const hid_t dataset = H5Dopen2(file_, name, H5P_DEFAULT);
+    const hid_t space = H5Dget_space(dataset);
+    const std::vector<hsize_t> coordinates{row, column};
     H5Sselect_elements(space, H5S_SELECT_SET, 1, coordinates.data());
     const hsize_t one = 1;
     const hid_t memory = H5Screate_simple(1, &one, nullptr);
@@ -328,6 +339,44 @@ TEST(VtkHdfFailures, FilesThatContradictThemselves) {
   expect("vtkGhostType, row 0", [](const Surgery &file) { file.set("VTKHDF/PointData/vtkGhostType", 0, 1); });
   expect("global_number, row 1",
          [](const Surgery &file) { file.set("VTKHDF/PointData/global_number", 1, 5); });
+}
+
+// A slab gets a duplicate that is its neighbour's: all of them together, as a mesh in memory has them, are
+// right.
+TEST(VtkHdfFailures, DuplicateOfAnotherSlab) {
+  const Communicator comm = world();
+  const TemporaryFolder folder(comm);
+  const std::string path = folder.file("mesh.vtkhdf");
+  const DistributedMesh mesh = oracle::make_mesh(oracle::table_of(oracle::lattice_points(150, 9, 21)),
+                                                 {5, Axis::x, comm.rank(), comm.size()});
+  write_mesh(comm, mesh, path);
+  read_mesh(comm, path);
+  MPI_Barrier(comm.raw());
+  if (comm.is_root()) {
+    const Surgery file(path);
+    const std::int64_t end = file.row("dovetail/duplicate_offsets", 1);
+    EXPECT_LT(end, file.row("dovetail/duplicate_offsets", 2));
+    file.set("dovetail/duplicate_offsets", 1, end + 1);
+  }
+  MPI_Barrier(comm.raw());
+  expect_refusal(comm, path, "not one of slab 0", [&] { read_mesh(comm, path); });
+}
+
+// Where there is no z, the third column is nobody's: it must be what VTK is to draw, and that is zero.
+TEST(VtkHdfFailures, HeightsWithoutZ) {
+  const Communicator comm = world();
+  const TemporaryFolder folder(comm);
+  const std::string path = folder.file("mesh.vtkhdf");
+  DistributedMesh mesh = test_mesh(comm);
+  for (SlabMesh &slab : mesh.slabs)
+    slab.vertices.attributes.erase(slab.vertices.attributes.begin());
+  write_mesh(comm, mesh, path);
+  read_mesh(comm, path);
+  MPI_Barrier(comm.raw());
+  if (comm.is_root())
+    Surgery(path).set("VTKHDF/Points", 5, 7, 2);
+  MPI_Barrier(comm.raw());
+  expect_refusal(comm, path, "without an attribute z", [&] { read_mesh(comm, path); });
 }
 
 // Any byte of a file may be wrong. Whatever comes of it, it comes to all ranks alike, and soon.
