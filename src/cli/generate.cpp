@@ -17,6 +17,9 @@
 #include <memory>
 #include <numeric>
 #include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace dovetail::cli {
 namespace {
@@ -29,6 +32,13 @@ struct GenerateOptions {
 
 constexpr std::array<std::string_view, 2> output_extensions{".npy", ".f64"};
 const std::vector<std::string> phase_names{"generate", "write"};
+
+std::string distribution_names() {
+  std::vector<std::string_view> names;
+  for (const Distribution distribution : all_distributions)
+    names.push_back(distribution_name(distribution));
+  return joined(names, ", ");
+}
 
 /// Rank r has the points from floor(n r / ranks) on.
 PointTable generate_share(const SyntheticSet &set, int rank, int ranks) {
@@ -109,7 +119,7 @@ Subcommand add_generate(CLI::App &app) {
           [options](const std::string &name) {
             const std::optional<Distribution> known = distribution_named(name);
             if (!known)
-              throw CLI::ValidationError("'" + name + "' is not a distribution");
+              throw CLI::ValidationError("'" + name + "' is none of " + distribution_names());
             options->set.distribution = *known;
           },
           "One of those below")
@@ -128,7 +138,18 @@ Subcommand add_generate(CLI::App &app) {
           "Number of points, such as 1000000 or 1e6")
       ->required()
       ->option_text("N (required)");
-  parser->add_option("--seed", options->set.seed, "Another seed, other points")->option_text("S [0]");
+  parser
+      ->add_option_function<std::string>(
+          "--seed",
+          [options](const std::string &text) {
+            try {
+              options->set.seed = seed_from_text(text);
+            } catch (const std::invalid_argument &problem) {
+              throw CLI::ValidationError("--seed", problem.what());
+            }
+          },
+          "Another seed, other points")
+      ->option_text("S [0]");
   parser->add_option("-o,--output", options->output, "File to write: .npy, or raw doubles .f64")
       ->required()
       ->option_text("FILE (required)");

@@ -67,7 +67,9 @@ Subcommand add_info(CLI::App &app) {
   CLI::App *parser = app.add_subcommand("info", "Say what a file of points or a mesh holds");
   parser->footer(examples);
   const auto path = std::make_shared<std::string>();
-  parser->add_option("FILE", *path, "Points (.las, .npy, .f64) or a mesh (.vtkhdf)")->required();
+  parser->add_option("FILE", *path, "Points (.las, .npy, .f64) or a mesh (.vtkhdf)")
+      ->required()
+      ->option_text("(required)");
   return {parser, [path](const Session &session) {
             if (path->ends_with(".vtkhdf"))
               inform_of_mesh(session.comm, *path);

@@ -1,6 +1,7 @@
 // The command `dovetail`. All ranks parse the same command line, run the same subcommand and leave with the
 // same exit code; rank 0 alone prints.
 #include "command.hpp"
+#include "text.hpp"
 #include "version.hpp"
 
 #include "dovetail/base/error.hpp"
@@ -15,7 +16,9 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <sstream>
+#include <system_error>
 
 namespace dovetail::cli {
 namespace {
@@ -31,6 +34,45 @@ constexpr const char *examples = R"(Examples:
 Each command has its own help, such as dovetail triangulate --help.
 )";
 
+/// What is wrong with a word that nothing on the command line takes. CLI11 complains of a missing required
+/// option before it complains of this one, which is often that option misspelt.
+std::string problem_of_extra(const CLI::App &app, const CLI::App *command) {
+  const std::vector<std::string> before = app.remaining();
+  if (command != nullptr && !before.empty())
+    return fmt::format("'{}' stands before {}, and options come after it", before.front(),
+                       command->get_name());
+  const std::vector<std::string> extra = app.remaining(true);
+  const std::string &word = extra.front();
+  if (!word.starts_with('-') || word.size() == 1)
+    return fmt::format("'{}' is one argument too many", word);
+  std::error_code ignored;
+  return fmt::format(
+      "there is no option '{}'{}", word,
+      std::filesystem::exists(word, ignored) ? fmt::format(" (the file of this name is './{}')", word) : "");
+}
+
+/// An option without its value, or with several.
+std::string problem_of_count(const CLI::App *command, const std::string &message) {
+  const std::string name = message.substr(0, message.find(':'));
+  const CLI::Option *option = command == nullptr ? nullptr : command->get_option_no_throw(name);
+  if (option == nullptr)
+    return message;
+  return fmt::format("{} {}", name, option->count() > 1 ? "is given more than once" : "needs a value");
+}
+
+std::string problem_text(const CLI::App &app, const CLI::App *command, const CLI::ParseError &error) {
+  const auto kind = static_cast<CLI::ExitCodes>(error.get_exit_code());
+  if ((kind == CLI::ExitCodes::RequiredError || kind == CLI::ExitCodes::ExtrasError) &&
+      !app.remaining(true).empty())
+    return problem_of_extra(app, command);
+  std::string problem = error.what();
+  if (kind == CLI::ExitCodes::ArgumentMismatch)
+    return problem_of_count(command, problem);
+  if (problem.starts_with("A ") || problem.starts_with("The "))
+    problem.front() = static_cast<char>(problem.front() - 'A' + 'a');
+  return problem;
+}
+
 /// A wrong command line, help and version end here, before any work, and alike on all ranks.
 ExitCode explain(const CLI::App &app, const CLI::ParseError &error, const Communicator &world) {
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
@@ -40,14 +82,11 @@ ExitCode explain(const CLI::App &app, const CLI::ParseError &error, const Commun
       fmt::print("{}", text.str());
     return success;
   }
-  std::string command = "dovetail";
-  for (const CLI::App *chosen : app.get_subcommands())
-    command += " " + chosen->get_name();
-  std::string problem = error.what();
-  if (problem.starts_with("A ") || problem.starts_with("The "))
-    problem.front() = static_cast<char>(problem.front() - 'A' + 'a');
+  const auto chosen = app.get_subcommands();
+  const CLI::App *const command = chosen.empty() ? nullptr : chosen.front();
   if (world.is_root())
-    fmt::print(stderr, "dovetail: {}; see {} --help\n", problem, command);
+    fmt::print(stderr, "dovetail: {}; see dovetail{} --help\n", problem_text(app, command, error),
+               command == nullptr ? "" : " " + command->get_name());
   return wrong_usage;
 }
 
@@ -55,10 +94,12 @@ ExitCode explain(const CLI::App &app, const CLI::ParseError &error, const Commun
 void refuse_unknown_command(const CLI::App &app, const std::vector<std::string> &command_line) {
   if (command_line.size() < 2 || command_line[1].starts_with('-'))
     return;
-  const auto known = app.get_subcommands([](const CLI::App *) { return true; });
-  if (std::none_of(known.begin(), known.end(),
-                   [&](const CLI::App *command) { return command->check_name(command_line[1]); }))
-    throw CLI::ValidationError(fmt::format("there is no subcommand '{}'", command_line[1]));
+  std::vector<std::string> names;
+  for (const CLI::App *command : app.get_subcommands([](const CLI::App *) { return true; }))
+    names.push_back(command->get_name());
+  if (std::find(names.begin(), names.end(), command_line[1]) == names.end())
+    throw CLI::ValidationError(
+        fmt::format("there is no subcommand '{}' among {}", command_line[1], joined(names, ", ")));
 }
 
 ExitCode run(int argc, char **argv, const Session &session) {

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <stdexcept>
+#include <system_error>
 
 namespace dovetail::cli {
 
@@ -72,6 +74,15 @@ GlobalIndex count_from_text(const std::string &text) {
   if (value != std::floor(value))
     throw std::invalid_argument(fmt::format("'{}' is not a whole number", text));
   return static_cast<GlobalIndex>(value);
+}
+
+std::uint64_t seed_from_text(const std::string &text) {
+  std::uint64_t seed = 0;
+  const char *const end = text.data() + text.size();
+  const auto [stop, fault] = std::from_chars(text.data(), end, seed);
+  if (fault != std::errc() || stop != end)
+    throw std::invalid_argument(fmt::format("'{}' is not a whole number from 0 to 2^64 - 1", text));
+  return seed;
 }
 
 std::vector<int> classes_from_text(const std::string &text) {

@@ -43,6 +43,9 @@ template <class Texts> std::string joined(const Texts &texts, std::string_view s
 /// reason unless it is a whole number from 0 to 2^53.
 GlobalIndex count_from_text(const std::string &text);
 
+/// Throws std::invalid_argument with a reason unless it is a whole number from 0 to 2^64 - 1 in digits.
+std::uint64_t seed_from_text(const std::string &text);
+
 /// "2,9" as {2, 9}. Throws std::invalid_argument with a reason unless each is a whole number from 0 to 255.
 std::vector<int> classes_from_text(const std::string &text);
 

@@ -267,7 +267,13 @@ class Errors(harness.TestCase):
     def test_usage(self):
         for arguments, says in (
             ((), "subcommand"),
-            (("triangel",), "triangel"),
+            (("triangel",), "'triangel' among triangulate, "),
+            (("--quiet", "info", self.good), "'--quiet' stands before info"),
+            # What is misspelt is named, and not the option that is missing because of it.
+            (("triangulate", self.good, "--ouput", self.output), "no option '--ouput'"),
+            (("verify", self.mesh, self.good), f"'{self.good}' is one argument too many"),
+            (("triangulate", self.good, "-o"), "--output needs a value"),
+            (("triangulate", self.good, "-o", self.output, "-o", self.output), "--output is given more than once"),
             (("triangulate",), ""),
             (("triangulate", self.good), "--output"),
             (("triangulate", self.good, "-o", self.output, "--axis", "z"), "--axis"),
@@ -278,7 +284,8 @@ class Errors(harness.TestCase):
             (("triangulate", self.good, "-o", self.output, "--class", "2,x"), "--class"),
             (("triangulate", self.good, "-o", self.output, "--class", "256"), "--class"),
             (("triangulate", self.good, "-o", self.output, "--wrong"), "--wrong"),
-            (("generate", "gaussian", "-n", "10", "-o", self.folder / "x.npy"), "gaussian"),
+            (("generate", "gaussian", "-n", "10", "-o", self.folder / "x.npy"), "'gaussian' is none of uniform, "),
+            (("generate", "uniform", "-n", "10", "--seed", "-1", "-o", self.folder / "x.npy"), "--seed: '-1'"),
             (("generate", "uniform", "-n", "1.5", "-o", self.folder / "x.npy"), "1.5"),
             (("generate", "uniform", "-n", "-5", "-o", self.folder / "x.npy"), "-5"),
             (("generate", "uniform", "-n", "1e30", "-o", self.folder / "x.npy"), "1e30"),
@@ -288,6 +295,14 @@ class Errors(harness.TestCase):
         ):
             self.refused(*arguments, code=USAGE, says=["--help", says], ranks=(0,))
         self.refused("triangulate", self.good, "--wrong", "-o", self.output, code=USAGE, says=["--wrong"])
+
+    def test_name_like_an_option(self):
+        path = self.folder / "-points.f64"
+        write_f64(path, [(0, 0), (1, 0), (0, 1)])
+        self.refused("triangulate", path.name, "-o", self.output, code=USAGE, says=["'./-points.f64'"], cwd=self.folder)
+        self.finish_refusals()
+        self.succeed("triangulate", "./-points.f64", "-o", "-points.vtkhdf", cwd=self.folder)
+        self.succeed("verify", "./-points.vtkhdf", "--points", "./-points.f64", cwd=self.folder)
 
     def test_lost_standard_output(self):
         full = pathlib.Path("/dev/full")

@@ -33,6 +33,13 @@ TEST(Text, Durations) {
   EXPECT_EQ(rough_duration_text(99.6), "1 min 40 s");
 }
 
+TEST(Text, Seeds) {
+  EXPECT_EQ(seed_from_text("0"), 0u);
+  EXPECT_EQ(seed_from_text("18446744073709551615"), std::numeric_limits<std::uint64_t>::max());
+  for (const char *wrong : {"", "-1", "+1", "1e3", "1.0", " 1", "1 ", "0x1", "18446744073709551616", "one"})
+    EXPECT_THROW(seed_from_text(wrong), std::invalid_argument) << wrong;
+}
+
 TEST(Text, Sizes) {
   EXPECT_EQ(size_text(1), "1 byte");
   EXPECT_EQ(size_text(1023), "1,023 bytes");
