@@ -1,89 +1,80 @@
 #include "merge_runs.hpp"
 
-#include "sort_points.hpp"
-
-#include <bit>
-#include <limits>
-
 namespace dovetail {
 namespace {
 
-/// The tree has a leaf for every run; every node above knows which run of its subtree has the least next
-/// point. Keys are of `across`, and only a tie looks at `along`.
-class WinnerTree {
-public:
-  WinnerTree(std::span<const Point> points, std::span<const std::int64_t> lengths, Axis axis)
-      : points_(points), axis_(axis), leaves_(std::bit_ceil(lengths.size())), key_(leaves_, exhausted),
-        next_(leaves_, 0), end_(leaves_, 0), winner_(2 * leaves_) {
-    std::size_t end = 0;
-    for (std::size_t run = 0; run < leaves_; ++run) {
-      next_[run] = end;
-      end += run < lengths.size() ? static_cast<std::size_t>(lengths[run]) : 0;
-      end_[run] = end;
-      winner_[leaves_ + run] = static_cast<std::uint32_t>(run);
-      read_key(run);
-    }
-    for (std::size_t node = leaves_ - 1; node > 0; --node)
-      play(node);
-  }
-
-  /// The run of the least point, which is passed by.
-  std::uint32_t take() {
-    const std::uint32_t run = winner_[1];
-    ++next_[run];
-    read_key(run);
-    for (std::size_t node = (leaves_ + run) / 2; node > 0; node /= 2)
-      play(node);
-    return run;
-  }
-
-private:
-  /// Above the keys of all finite numbers.
-  static constexpr std::uint64_t exhausted = std::numeric_limits<std::uint64_t>::max();
-
-  void read_key(std::size_t run) {
-    key_[run] = next_[run] < end_[run] ? ordered_bits(across(points_[next_[run]], axis_)) : exhausted;
-  }
-  void play(std::size_t node) {
-    const std::uint32_t left = winner_[2 * node];
-    const std::uint32_t right = winner_[2 * node + 1];
-    bool right_wins = key_[right] < key_[left];
-    if (key_[right] == key_[left] && key_[right] != exhausted) [[unlikely]]
-      right_wins = along(points_[next_[right]], axis_) < along(points_[next_[left]], axis_);
-    winner_[node] = right_wins ? right : left;
-  }
-
-  std::span<const Point> points_;
-  Axis axis_;
-  std::size_t leaves_;
-  std::vector<std::uint64_t> key_;
-  std::vector<std::size_t> next_;
-  std::vector<std::size_t> end_;
-  std::vector<std::uint32_t> winner_;
-};
+/// Where the runs begin, empty ones left out, and the end.
+std::vector<std::size_t> begins_of(std::span<const std::int64_t> lengths) {
+  std::vector<std::size_t> begins{0};
+  for (const std::int64_t length : lengths)
+    if (length > 0)
+      begins.push_back(begins.back() + static_cast<std::size_t>(length));
+  return begins;
+}
 
 /// True if no run begins before the one in front of it ends.
-bool ascends_as_it_lies(std::span<const Point> points, std::span<const std::int64_t> lengths, Axis axis) {
-  std::size_t begin = 0;
-  for (const std::int64_t length : lengths) {
-    if (length > 0 && begin > 0 && TotalOrder{axis}(points[begin], points[begin - 1]))
-      return false;
-    begin += static_cast<std::size_t>(length);
+bool ascends_as_it_lies(std::span<const Point> points, std::span<const std::size_t> begins, Axis axis) {
+  return std::all_of(begins.begin(), begins.end(), [&](std::size_t begin) {
+    return begin == 0 || begin == points.size() || !TotalOrder{axis}(points[begin], points[begin - 1]);
+  });
+}
+
+/// Merges [begin, middle) with [middle, end). Of equal points, those on the left come first.
+template <Axis axis>
+void merge_two(const Point *from, std::size_t begin, std::size_t middle, std::size_t end, Point *to,
+               std::uint8_t *from_right) {
+  // No && nor ||: which point is less is as good as random.
+  const auto less = [](Point a, Point b) {
+    return static_cast<std::size_t>(across(a, axis) < across(b, axis)) |
+           (static_cast<std::size_t>(across(a, axis) == across(b, axis)) &
+            static_cast<std::size_t>(along(a, axis) < along(b, axis)));
+  };
+  std::size_t left = begin, right = middle, place = begin;
+  for (; left < middle && right < end; ++place) {
+    const std::size_t taken = less(from[right], from[left]);
+    from_right[place] = static_cast<std::uint8_t>(taken);
+    to[place] = from[left + ((right - left) & (0 - taken))];
+    right += taken;
+    left += 1 - taken;
   }
-  return true;
+  std::fill(from_right + place, from_right + end, static_cast<std::uint8_t>(right < end));
+  std::copy(from + left, from + middle, to + place);
+  std::copy(from + right, from + end, to + place + (middle - left));
+}
+
+template <Axis axis>
+std::vector<MergeRound> merge_rounds(std::span<Point> arrived, std::vector<std::size_t> begins,
+                                     std::span<Point> merged) {
+  std::vector<MergeRound> rounds;
+  std::span<Point> from = arrived, to = merged;
+  while (begins.size() > 2) {
+    if (begins.size() % 2 == 0)
+      begins.push_back(begins.back());
+    MergeRound round{begins, std::vector<std::uint8_t>(arrived.size())};
+    std::vector<std::size_t> next{0};
+    for (std::size_t p = 0; p + 2 < begins.size(); p += 2) {
+      merge_two<axis>(from.data(), begins[p], begins[p + 1], begins[p + 2], to.data(),
+                      round.from_right.data());
+      next.push_back(begins[p + 2]);
+    }
+    rounds.push_back(std::move(round));
+    begins = std::move(next);
+    std::swap(from, to);
+  }
+  if (from.data() != merged.data())
+    std::copy(from.begin(), from.end(), merged.begin());
+  return rounds;
 }
 
 } // namespace
 
-std::vector<std::uint32_t> merge_order(std::span<const Point> points, std::span<const std::int64_t> lengths,
-                                       Axis axis) {
-  if (ascends_as_it_lies(points, lengths, axis))
-    return {};
-  WinnerTree tree(points, lengths, axis);
-  std::vector<std::uint32_t> order(points.size());
-  for (std::uint32_t &run : order)
-    run = tree.take();
-  return order;
+std::vector<MergeRound> merge_points(std::span<Point> arrived, std::span<const std::int64_t> lengths,
+                                     Axis axis, std::span<Point> merged) {
+  std::vector<std::size_t> begins = begins_of(lengths);
+  if (ascends_as_it_lies(arrived, begins, axis))
+    begins = {0, arrived.size()};
+  return axis == Axis::x ? merge_rounds<Axis::x>(arrived, std::move(begins), merged)
+                         : merge_rounds<Axis::y>(arrived, std::move(begins), merged);
 }
 
 } // namespace dovetail

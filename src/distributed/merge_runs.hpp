@@ -4,31 +4,47 @@
 #include "dovetail/base/types.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace dovetail {
 
-/// How to merge runs of the given lengths that lie one after another in `points`, each sorted by the total
-/// order: the run from which each point of the merge comes. Empty if the points are sorted as they lie.
-/// A tree of winners: O(log(runs)) a point, without branches that cannot be foreseen.
-std::vector<std::uint32_t> merge_order(std::span<const Point> points, std::span<const std::int64_t> lengths,
-                                       Axis axis);
+/// One round of merging neighbouring runs in pairs: [begins[2p], begins[2p + 1]) with
+/// [begins[2p + 1], begins[2p + 2]). A last run without a partner has an empty one.
+struct MergeRound {
+  std::vector<std::size_t> begins;      ///< an odd number: one of every run, and the end
+  std::vector<std::uint8_t> from_right; ///< for each place of the result, whether the right run fills it
+};
 
-/// One column of the merge. With the order known, every run is read from front to back.
+/// Merges runs of the given lengths that lie one after another in `arrived`, each sorted by the total order,
+/// into `merged`; the former contents of both are lost. What was decided is returned, to do the same with
+/// other columns; empty if the points are sorted as they lie.
+/// Cost: log2(runs) rounds, each with neither a branch to be mispredicted nor a jump through memory, and a
+/// byte a point for each.
+std::vector<MergeRound> merge_points(std::span<Point> arrived, std::span<const std::int64_t> lengths,
+                                     Axis axis, std::span<Point> merged);
+
+/// One more column of the same merge.
 template <class Value>
-void merge_column(std::span<const Value> column, std::span<const std::int64_t> lengths,
-                  std::span<const std::uint32_t> order, std::span<Value> out) {
-  if (order.empty()) {
-    std::copy(column.begin(), column.end(), out.begin());
-    return;
+void merge_column(std::span<const MergeRound> rounds, std::span<Value> arrived, std::span<Value> merged) {
+  std::span<Value> from = arrived, to = merged;
+  for (const MergeRound &round : rounds) {
+    for (std::size_t p = 0; p + 2 < round.begins.size(); p += 2) {
+      std::size_t left = round.begins[p], right = round.begins[p + 1];
+      for (std::size_t place = left, end = round.begins[p + 2]; place < end; ++place) {
+        const std::size_t taken = round.from_right[place];
+        to[place] = from[left + ((right - left) & (0 - taken))];
+        right += taken;
+        left += 1 - taken;
+      }
+    }
+    std::swap(from, to);
   }
-  std::vector<std::int64_t> next(lengths.size(), 0);
-  std::partial_sum(lengths.begin(), lengths.end() - 1, next.begin() + 1);
-  for (std::size_t i = 0; i < out.size(); ++i)
-    out[i] = column[static_cast<std::size_t>(next[order[i]]++)];
+  if (from.data() != merged.data())
+    std::copy(from.begin(), from.end(), merged.begin());
 }
 
 } // namespace dovetail

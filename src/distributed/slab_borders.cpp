@@ -100,23 +100,23 @@ void redistribute(const Communicator &comm, PointTable &table, Axis axis,
     }
     return std::make_unique_for_overwrite<std::byte[]>(size * sizeof(Point));
   });
-  std::vector<std::uint32_t> order;
+  std::vector<MergeRound> rounds;
   const auto send_column = [&]<class Value>(std::vector<Value> &column) {
     static_assert(sizeof(Value) <= sizeof(Point));
     const std::span arrived(reinterpret_cast<Value *>(buffer.get()), size);
     exchange_into<Value>(comm, column, send_counts, arrived, receive_counts);
+    column.resize(size);
     return arrived;
   };
-  const auto take_column = [&]<class Value>(std::vector<Value> &column, std::span<const Value> arrived) {
-    column.resize(size);
-    merge_column<Value>(arrived, receive_counts, order, column);
+  const auto send_and_merge = [&]<class Value>(std::vector<Value> &column) {
+    const std::span<Value> arrived = send_column(column);
+    merge_column<Value>(rounds, arrived, column);
   };
-  const std::span<const Point> points = send_column(table.points);
-  order = collectively(comm, [&] { return merge_order(points, receive_counts, axis); });
-  take_column(table.points, points);
-  take_column(table.input_index, std::span<const GlobalIndex>(send_column(table.input_index)));
+  const std::span<Point> points = send_column(table.points);
+  rounds = collectively(comm, [&] { return merge_points(points, receive_counts, axis, table.points); });
+  send_and_merge(table.input_index);
   for (Attribute &attribute : table.attributes)
-    take_column(attribute.values, std::span<const double>(send_column(attribute.values)));
+    send_and_merge(attribute.values);
 }
 
 } // namespace dovetail
