@@ -65,7 +65,7 @@ std::vector<Path> forward_scan(const Slabs &slabs, const SlabHulls &hulls, const
   std::vector<Path> chains(index(own.count()));
   const Path *previous = &before;
   for (int k = 0; k < own.count() && own.has_right_line(k); ++k) {
-    chains[index(k)] = merge_paths(*previous, hulls.right[index(k)], own.right_line(k));
+    chains[index(k)] = hull_of_both(*previous, hulls.right[index(k)], own.right_line(k));
     previous = &chains[index(k)];
   }
   return chains;
@@ -76,7 +76,7 @@ std::vector<Path> backward_scan(const Slabs &slabs, const SlabHulls &hulls, cons
   std::vector<Path> chains(index(own.count()));
   const Path *previous = &after;
   for (int k = own.count() - 1; k >= 0 && own.has_left_line(k); --k) {
-    chains[index(k)] = merge_paths(*previous, hulls.left[index(k)], own.left_line(k));
+    chains[index(k)] = hull_of_both(*previous, hulls.left[index(k)], own.left_line(k));
     previous = &chains[index(k)];
   }
   return chains;
@@ -96,7 +96,7 @@ std::vector<Path> scan_paths(const Slabs &slabs, const SlabHulls &hulls, const P
   const std::vector<Path> lower = forward_scan(slabs, hulls, sites_before(leftmost, own.begin(0)));
   const std::vector<Path> upper = backward_scan(slabs, hulls, sites_from(rightmost, own.end(count - 1)));
   for (int k = 1; k < count; ++k)
-    paths[index(k)] = merge_paths(lower[index(k - 1)], upper[index(k)], own.left_line(k));
+    paths[index(k)] = hull_of_both(lower[index(k - 1)], upper[index(k)], own.left_line(k));
   return paths;
 }
 

@@ -135,7 +135,7 @@ template <Axis axis> Path hull_outward(const Outward<axis> &sites, SplitLine lin
     std::vector<PathSite> passed = let_through(sites, seen, batch_end, filter);
     // Where most sites are on the path, hulls of hulls are work in vain: larger steps.
     growth = passed.size() > (batch_end - seen) / 2 ? 8 : 2;
-    path = merge_paths(path, split_path(std::move(passed), line), line);
+    path = hull_of_both(path, split_path(std::move(passed), line), line);
     seen = batch_end == end ? n : batch_end;
   }
   return path;

@@ -33,7 +33,7 @@ Path split_path_of_ascending(std::span<const PathSite> sites, SplitLine line) {
   return hull;
 }
 
-Path merge_paths(std::span<const PathSite> a, std::span<const PathSite> b, SplitLine line) {
+Path hull_of_both(std::span<const PathSite> a, std::span<const PathSite> b, SplitLine line) {
   std::vector<PathSite> both;
   both.reserve(a.size() + b.size());
   std::ranges::merge(a, b, std::back_inserter(both), ascending(line.axis));

@@ -13,7 +13,7 @@ namespace dovetail::divide_and_conquer {
 namespace {
 
 constexpr Vertex few = 16;          ///< parts up to this size are cut by ranks
-constexpr std::size_t per_cell = 4; ///< sites a cell of the grid, at least
+constexpr std::size_t per_tile = 4; ///< sites a tile of the grid, at least
 
 /// Where to cut a small part: into pieces of four, as far as that goes, and never off a single site.
 constexpr Vertex half_of(Vertex count) {
@@ -41,8 +41,8 @@ Hull BucketKernel::triangulate(Vertex first, Vertex count, Vertex far_ghost) {
   count_ = count;
   gather();
   sphere_ = {{points_.data(), first}, origin_, twin_, first + count, guard_};
-  sort_into_cells();
-  const Hull hull = conquer_cells(0, 0);
+  sort_into_tiles();
+  const Hull hull = conquer_tiles(0, 0);
   HalfEdge ghost = hull.first[0];
   do {
     origin_[ghost + 2] = narrow(far_ghost);
@@ -68,19 +68,19 @@ void BucketKernel::gather() {
   points_[n] = far_away;
 }
 
-/// A counting sort by the cells of a grid, numbered so that halving a range of cells is a cut across the
-/// longer side. Cells are monotone in each coordinate, so they separate sites strictly.
-void BucketKernel::sort_into_cells() {
+/// A counting sort by the tiles of a grid, numbered so that halving a range of tiles is a cut across the
+/// longer side. Tiles are monotone in each coordinate, so they separate sites strictly.
+void BucketKernel::sort_into_tiles() {
   const auto n = static_cast<std::size_t>(count_);
-  bits_ = n < 2 * per_cell || !fixed_point_is_safe()
+  bits_ = n < 2 * per_tile || !fixed_point_is_safe()
               ? 0
-              : static_cast<unsigned>(std::bit_width(n / per_cell)) - 1;
-  if (bits_ == 0) { // one cell; where differences may overflow, nothing here may be computed
+              : static_cast<unsigned>(std::bit_width(n / per_tile)) - 1;
+  if (bits_ == 0) { // one tile; where differences may overflow, nothing here may be computed
     for (std::size_t i = 0; i < n; ++i) {
       points_[i] = scratch_[i].point;
       index(first_)[i] = scratch_[i].index;
     }
-    cell_start_ = {narrow(first_), narrow(first_ + count_)};
+    tile_start_ = {narrow(first_), narrow(first_ + count_)};
     return;
   }
   double width = box_.high.x - box_.low.x;
@@ -93,7 +93,7 @@ void BucketKernel::sort_into_cells() {
     axis_of_level_.push_back(axis);
     ++levels[axis];
   }
-  // spread[axis][cell along the axis] has the cell's bits where the levels of this axis want them.
+  // spread[axis][tile along the axis] has the tile's bits where the levels of this axis want them.
   std::array<std::vector<std::uint32_t>, 2> spread;
   for (unsigned axis = 0; axis < 2; ++axis) {
     spread[axis].assign(std::size_t{1} << levels[axis], 0);
@@ -101,55 +101,55 @@ void BucketKernel::sort_into_cells() {
     for (unsigned level = 0; level < bits_; ++level)
       if (axis_of_level_[level] == axis) {
         --bit;
-        for (std::size_t cell = 0; cell < spread[axis].size(); ++cell)
-          spread[axis][cell] |= static_cast<std::uint32_t>(cell >> bit & 1) << (bits_ - 1 - level);
+        for (std::size_t tile = 0; tile < spread[axis].size(); ++tile)
+          spread[axis][tile] |= static_cast<std::uint32_t>(tile >> bit & 1) << (bits_ - 1 - level);
       }
   }
   const double x_scale = scale_of(box_.low.x, box_.high.x, static_cast<double>(spread[0].size()));
   const double y_scale = scale_of(box_.low.y, box_.high.y, static_cast<double>(spread[1].size()));
-  const std::size_t cells = std::size_t{1} << bits_;
-  cell_start_.assign(cells + 1, 0);
+  const std::size_t tiles = std::size_t{1} << bits_;
+  tile_start_.assign(tiles + 1, 0);
   for (std::size_t i = 0; i < n; ++i) {
     const Point p = scratch_[i].point;
     const auto x = static_cast<std::uint32_t>(static_cast<std::int32_t>((p.x - box_.low.x) * x_scale));
     const auto y = static_cast<std::uint32_t>(static_cast<std::int32_t>((p.y - box_.low.y) * y_scale));
     key_[i] = spread[0][x] | spread[1][y];
-    ++cell_start_[key_[i]];
+    ++tile_start_[key_[i]];
   }
   LocalIndex next = narrow(first_);
-  for (std::size_t cell = 0; cell <= cells; ++cell) {
-    const LocalIndex here = cell_start_[cell];
-    cell_start_[cell] = next;
+  for (std::size_t tile = 0; tile <= tiles; ++tile) {
+    const LocalIndex here = tile_start_[tile];
+    tile_start_[tile] = next;
     next += here;
   }
   for (std::size_t i = 0; i < n; ++i) {
-    const LocalIndex to = cell_start_[key_[i]]++;
+    const LocalIndex to = tile_start_[key_[i]]++;
     *point(to) = scratch_[i].point;
     *index(to) = scratch_[i].index;
   }
-  for (std::size_t cell = cells; cell > 0; --cell)
-    cell_start_[cell] = cell_start_[cell - 1];
-  cell_start_[0] = narrow(first_);
+  for (std::size_t tile = tiles; tile > 0; --tile)
+    tile_start_[tile] = tile_start_[tile - 1];
+  tile_start_[0] = narrow(first_);
 }
 
-/// The 2^(bits - level) cells that begin with `cell`. At least two sites.
-Hull BucketKernel::conquer_cells(std::size_t cell, unsigned level) {
-  const std::size_t cells = std::size_t{1} << (bits_ - level);
-  const Vertex first = cell_start_[cell];
-  const Vertex count = cell_start_[cell + cells] - first;
+/// The 2^(bits - level) tiles that begin with `tile`. At least two sites.
+Hull BucketKernel::conquer_tiles(std::size_t tile, unsigned level) {
+  const std::size_t tiles = std::size_t{1} << (bits_ - level);
+  const Vertex first = tile_start_[tile];
+  const Vertex count = tile_start_[tile + tiles] - first;
   if (count <= few)
     return conquer_few(first, count);
   if (level == bits_)
     return conquer_by_median(first, count);
-  const Vertex left_count = cell_start_[cell + cells / 2] - first;
+  const Vertex left_count = tile_start_[tile + tiles / 2] - first;
   if (left_count == 0)
-    return conquer_cells(cell + cells / 2, level + 1);
+    return conquer_tiles(tile + tiles / 2, level + 1);
   if (left_count == count)
-    return conquer_cells(cell, level + 1);
+    return conquer_tiles(tile, level + 1);
   if (left_count == 1 || left_count == count - 1)
     return conquer_by_median(first, count);
-  const Hull left = conquer_cells(cell, level + 1);
-  const Hull right = conquer_cells(cell + cells / 2, level + 1);
+  const Hull left = conquer_tiles(tile, level + 1);
+  const Hull right = conquer_tiles(tile + tiles / 2, level + 1);
   return sphere_.merge(left, right, axis_of_level_[level], 6 * (first + left_count) - 6);
 }
 

@@ -57,8 +57,8 @@ private:
   /// Differences of coordinates do not overflow.
   bool fixed_point_is_safe() const { return guard_ < no_filter; }
   void gather();
-  void sort_into_cells();
-  Hull conquer_cells(std::size_t cell, unsigned level);
+  void sort_into_tiles();
+  Hull conquer_tiles(std::size_t tile, unsigned level);
   Hull conquer_few(Vertex first, Vertex count);
   template <std::size_t lanes>
   bool sort_by_rank(Vertex first, Vertex count, Vertex half, unsigned axis, double low, double high);
@@ -80,10 +80,10 @@ private:
   Box box_{};
   std::vector<Point> points_;           ///< of the bucket, in cut order, and the point at infinity
   std::vector<Numbered> scratch_;       ///< the bucket before it is sorted
-  std::vector<std::uint32_t> key_;      ///< cells of the sites before they are sorted
-  std::vector<LocalIndex> cell_start_;  ///< first vertex of each cell, and the end
-  unsigned bits_ = 0;                   ///< there are 2^bits cells
-  std::vector<unsigned> axis_of_level_; ///< of the cuts between cells
+  std::vector<std::uint32_t> key_;      ///< tiles of the sites before they are sorted
+  std::vector<LocalIndex> tile_start_;  ///< first vertex of each tile, and the end
+  unsigned bits_ = 0;                   ///< there are 2^bits tiles
+  std::vector<unsigned> axis_of_level_; ///< of the cuts between tiles
 };
 
 } // namespace dovetail::divide_and_conquer

@@ -33,9 +33,9 @@ struct Conquest {
   BucketKernel &buckets;
   Sphere<FarSites> sphere;
 
-  /// The part of an inner node or leaf, whose leaves begin with `leaf` and number `leaves`; at least two
+  /// The part of a branch or leaf, whose leaves begin with `leaf` and number `leaves`; at least two
   /// sites.
-  Hull conquer(std::size_t node, std::size_t leaf, std::size_t leaves) const {
+  Hull conquer(std::size_t branch, std::size_t leaf, std::size_t leaves) const {
     const Vertex first = start[leaf];
     const Vertex count = start[leaf + leaves] - first;
     if (leaves == 1)
@@ -43,14 +43,14 @@ struct Conquest {
     const std::size_t middle = leaf + leaves / 2;
     const Vertex left_count = start[middle] - first;
     if (left_count == 0)
-      return conquer(2 * node + 1, middle, leaves / 2);
+      return conquer(2 * branch + 1, middle, leaves / 2);
     if (left_count == count)
-      return conquer(2 * node, leaf, leaves / 2);
+      return conquer(2 * branch, leaf, leaves / 2);
     if (left_count == 1 || left_count == count - 1)
       return buckets.triangulate(first, count, far_ghost);
-    const Hull left = conquer(2 * node, leaf, leaves / 2);
-    const Hull right = conquer(2 * node + 1, middle, leaves / 2);
-    return sphere.merge(left, right, tree.axis[node], 6 * (first + left_count) - 6);
+    const Hull left = conquer(2 * branch, leaf, leaves / 2);
+    const Hull right = conquer(2 * branch + 1, middle, leaves / 2);
+    return sphere.merge(left, right, tree.axis[branch], 6 * (first + left_count) - 6);
   }
 };
 

@@ -22,8 +22,8 @@ Box box_of(std::span<const Point> points) {
   return box;
 }
 
-void cut_sample(MedianTree &tree, std::span<Point> sample, std::size_t node) {
-  if (node >= tree.leaves())
+void cut_sample(MedianTree &tree, std::span<Point> sample, std::size_t branch) {
+  if (branch >= tree.leaves())
     return;
   if (sample.empty())
     return; // the cuts below keep their default, and their parts stay empty or whole
@@ -33,10 +33,10 @@ void cut_sample(MedianTree &tree, std::span<Point> sample, std::size_t node) {
   const std::size_t half = sample.size() / 2;
   std::ranges::nth_element(sample, sample.begin() + static_cast<std::ptrdiff_t>(half), {},
                            across_y ? &Point::y : &Point::x);
-  tree.axis[node] = across_y ? 1 : 0;
-  tree.cut[node] = across_y ? sample[half].y : sample[half].x;
-  cut_sample(tree, sample.first(half), 2 * node);
-  cut_sample(tree, sample.subspan(half), 2 * node + 1);
+  tree.axis[branch] = across_y ? 1 : 0;
+  tree.cut[branch] = across_y ? sample[half].y : sample[half].x;
+  cut_sample(tree, sample.first(half), 2 * branch);
+  cut_sample(tree, sample.subspan(half), 2 * branch + 1);
 }
 
 } // namespace
@@ -63,10 +63,10 @@ std::vector<LocalIndex> sort_into_leaves(const MedianTree &tree, std::span<const
   LocalIndex *const counts = start.data() + 1;
   for (std::size_t i = 0; i < sites.size(); ++i) {
     const std::array<double, 2> coordinate{sites[i].x, sites[i].y};
-    std::size_t node = 1;
+    std::size_t branch = 1;
     for (unsigned level = 0; level < tree.depth; ++level)
-      node = 2 * node + (coordinate[axis[node]] >= cut[node] ? 1 : 0);
-    const std::size_t leaf = node - tree.leaves();
+      branch = 2 * branch + (coordinate[axis[branch]] >= cut[branch] ? 1 : 0);
+    const std::size_t leaf = branch - tree.leaves();
     leaf_of[i] = static_cast<LocalIndex>(leaf);
     ++counts[leaf];
   }

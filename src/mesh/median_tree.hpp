@@ -8,7 +8,7 @@
 
 namespace dovetail::divide_and_conquer {
 
-/// A complete binary tree of `leaves` = 2^depth leaves over the plane. Inner node i (1 is the root, 2i and
+/// A complete binary tree of `leaves` = 2^depth leaves over the plane. Branch i (1 is the root, 2i and
 /// 2i + 1 its children) sends a point left if its coordinate axis[i] is less than cut[i], and so every cut
 /// separates strictly. Cuts go across the longer side of what they cut: thin parts have long seams.
 struct MedianTree {

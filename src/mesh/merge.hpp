@@ -28,8 +28,9 @@
 ///
 /// What a merge needs of its parts: some direction, perhaps infinitesimally turned, puts all of the left
 /// before all of the right, and the vertex of the left that comes last in this direction and that of the
-/// right that comes first are given. The orders (x, y) and (y, x) are such directions, x + epsilon y and y +
-/// epsilon x; everything else is decided by orientations, which know no axes.
+/// right that comes first are given. The orders (x, y) and (y, x) are such directions, the x axis and the
+/// y axis turned infinitesimally towards each other; everything else is decided by orientations, which know
+/// no axes.
 #pragma once
 
 #include "sphere.hpp"
@@ -147,6 +148,8 @@ Hull Sphere<Sites>::merge(const Hull &left, const Hull &right, unsigned axis, Ha
   return axis == 0 ? merge_along<0>(left, right, spare) : merge_along<1>(left, right, spare);
 }
 
+/// Long because it is one state machine, whose state (both rims, the base, their coordinates in registers) is
+/// what every step reads and writes.
 template <class Sites>
 template <unsigned axis>
 Hull Sphere<Sites>::merge_along(const Hull &left, const Hull &right, HalfEdge spare) const {

@@ -251,13 +251,13 @@ TEST(SplitPath, follows_from_own_hulls_by_scanning) {
       std::vector<Path> left, right(slabs.lines.size());
       for (std::size_t k = 0; k < slabs.lines.size(); ++k) {
         const Path hull = own_hull_of(slabs.own[k], slabs.lines[k], axis);
-        left.push_back(merge_paths(hull, k > 0 ? left.back() : Path{}, as_line(slabs.lines[k], axis)));
+        left.push_back(hull_of_both(hull, k > 0 ? left.back() : Path{}, as_line(slabs.lines[k], axis)));
       }
       for (std::size_t k = slabs.lines.size(); k-- > 0;) {
         const Path hull = own_hull_of(slabs.own[k + 1], slabs.lines[k], axis);
         const Path beyond = k + 1 < right.size() ? right[k + 1] : Path{};
-        right[k] = merge_paths(hull, beyond, as_line(slabs.lines[k], axis));
-        ASSERT_EQ(merge_paths(left[k], right[k], as_line(slabs.lines[k], axis)),
+        right[k] = hull_of_both(hull, beyond, as_line(slabs.lines[k], axis));
+        ASSERT_EQ(hull_of_both(left[k], right[k], as_line(slabs.lines[k], axis)),
                   numbered(brute_path(sites, slabs.lines[k]), axis));
       }
     }

@@ -20,7 +20,7 @@ DistributedMesh stitch(const Communicator &comm, UnstitchedMesh &&unstitched);
 
 namespace stitching {
 
-/// First site and first slab of every rank: who owns what. The same on all ranks.
+/// The first site of every rank: who owns which. The same on all ranks.
 struct Owners {
   std::vector<GlobalIndex> first_site; ///< of rank r; at the end the number of sites
   int rank_of_site(GlobalIndex number) const;

@@ -39,7 +39,7 @@ Path split_path(std::vector<PathSite> sites, SplitLine line);
 Path split_path_of_ascending(std::span<const PathSite> sites, SplitLine line);
 
 /// The path of the union of two chains that both ascend along the line, such as two paths. O(a + b).
-Path merge_paths(std::span<const PathSite> a, std::span<const PathSite> b, SplitLine line);
+Path hull_of_both(std::span<const PathSite> a, std::span<const PathSite> b, SplitLine line);
 
 /// The path of sites in the total order of the line's axis, site i having the number first_number + i.
 /// Meant for a slab's own sites and one of its borders: if the line is at or beyond either end of them, all
