@@ -2,6 +2,7 @@
 
 import re
 import shlex
+import struct
 import unittest
 
 import harness
@@ -19,6 +20,18 @@ def examples(*command):
     return [shlex.split(line) for line in lines]
 
 
+def write_las(path, n=500):
+    """LAS 1.2, point format 0: ground and water (classes 2 and 9) in turns on a grid of whole metres."""
+    side = 25
+    header = struct.pack("<4sHHIHH8sBB32s32sHHHIIBHI5I12d", b"LASF", 0, 0, 0, 0, 0, bytes(8), 1, 2, bytes(32), bytes(32),
+                         1, 2026, 227, 227, 0, 0, 20, n, n, 0, 0, 0, 0, 0.01, 0.01, 0.01, 0, 0, 0,
+                         side - 1, 0, n // side - 1, 0, 8, 0)
+    assert len(header) == 227
+    records = (struct.pack("<3iHBBbBH", 100 * (i % side), 100 * (i // side), 100 * (i % 9), 0, 0, 2 if i % 2 else 9, 0, 0, 0)
+               for i in range(n))
+    path.write_bytes(header + b"".join(records))
+
+
 class Help(harness.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -28,10 +41,7 @@ class Help(harness.TestCase):
             made = cls.folder / name
             seed = str(len(name))
             if name.endswith(".las"):
-                las = harness.data_file("autzen_trim.las")
-                if las is None:
-                    continue
-                made.symlink_to(las)
+                write_las(made)
             else:
                 run = dovetail("generate", "uniform", "-n", "500", "--seed", seed, "-o", made)
                 assert run.code == 0, run
@@ -43,8 +53,6 @@ class Help(harness.TestCase):
             words = words[3:]
         self.assertEqual(words[0], "dovetail")
         arguments = ["1000" if re.fullmatch(r"[\d.]+e\d|\d{7}", word) else word for word in words[1:]]
-        if any(word.endswith(".las") for word in arguments) and not (self.folder / "survey.las").exists():
-            arguments.append("--help")  # parses at least
         run = dovetail(*arguments, ranks=ranks, cwd=self.folder)
         self.assertEqual(run.code, 0, run)
         self.assertEqual(run.messages, [], run)
