@@ -9,7 +9,6 @@
 #include <cassert>
 #include <fmt/core.h>
 #include <iterator>
-#include <limits>
 #include <utility>
 
 namespace dovetail {
@@ -49,11 +48,10 @@ Path foreign_path_sites(const SlabView &slab) {
 }
 
 void check_local_range(const SlabView &slab, std::size_t vertices) {
-  constexpr auto limit = static_cast<std::size_t>(std::numeric_limits<LocalIndex>::max()) / 6;
-  if (vertices > limit)
+  if (vertices > most_delaunay_sites)
     throw Error({ErrorKind::resource, fmt::format("slab {}", slab.slab), "",
                  fmt::format("{} sites with those of its paths, more than the {} that one slab can have",
-                             vertices, limit),
+                             vertices, most_delaunay_sites),
                  "use more slabs (--slabs)"});
 }
 

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 
 namespace dovetail {
 namespace {
@@ -112,8 +111,7 @@ double guard_for(std::span<const Point> sites) {
 } // namespace
 
 Triangulation delaunay(std::span<const Point> sites) {
-  constexpr std::size_t most_sites = (std::size_t{1} << 31) / 6;
-  if (sites.size() > most_sites)
+  if (sites.size() > most_delaunay_sites)
     throw Error({ErrorKind::resource, "triangulation", "",
                  "a slab has more sites than 32-bit indices can number", "use more slabs"});
   if (sites.size() < 3)

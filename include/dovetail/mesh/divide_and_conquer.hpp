@@ -9,12 +9,18 @@
 
 #include "dovetail/mesh/triangulation.hpp"
 
+#include <cstddef>
+
 namespace dovetail {
+
+/// Six half-edges a site, ghosts included, are numbered by LocalIndex.
+inline constexpr std::size_t most_delaunay_sites = (std::size_t{1} << 31) / 6;
 
 /// The canonical Delaunay triangulation of distinct sites in any order. Local.
 /// No triangles if all sites are collinear. The order of triangles and which corner comes first depend on the
-/// sites and their order alone. Sites must be distinct; more than 2^31 / 6 are an Error. O(n log n), with
-/// expected O(n) work in merges for uniform sites; 48 bytes a site for the result and five while it works.
+/// sites and their order alone. Sites must be distinct; more than most_delaunay_sites are an Error
+/// (resource). O(n log n), with expected O(n) work in merges for uniform sites; 48 bytes a site for the
+/// result and five while it works.
 Triangulation delaunay(std::span<const Point> sites);
 
 } // namespace dovetail
