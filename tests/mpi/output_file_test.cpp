@@ -126,6 +126,20 @@ TEST(OutputFile, HoldsWhatAnotherLibraryWrites) {
   EXPECT_EQ(content_of(folder.file("result")), "by other means");
 }
 
+// Nothing of what an earlier, killed run left behind stays, also where it was longer.
+TEST(OutputFile, LeftoverIsReplaced) {
+  const Communicator comm = world();
+  const TemporaryFolder folder(comm);
+  folder.make("result.partial", "left behind by another run");
+  OutputFile file(comm, folder.file("result"));
+  collectively(comm, [&] {
+    if (comm.is_root())
+      file.write_at(0, std::as_bytes(std::span("short", 5)));
+  });
+  file.commit();
+  EXPECT_EQ(content_of(folder.file("result")), "short");
+}
+
 TEST(OutputFile, OneRanksFailureIsEverybodys) {
   const Communicator comm = world();
   const TemporaryFolder folder(comm);

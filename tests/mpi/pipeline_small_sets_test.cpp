@@ -8,6 +8,8 @@
 
 #include <cstdlib>
 #include <gtest/gtest.h>
+#include <span>
+#include <stdexcept>
 
 namespace dovetail::testing {
 namespace {
@@ -115,6 +117,42 @@ TEST(PipelineSmallSets, AreTheTriangulationByDefinition) {
   for (int round = 0; round < rounds; ++round)
     for (int family = 0; family < family_count; ++family, ++seed)
       check(comm, {family, slab_counts[seed % 3], seed / 3 % 2 == 0 ? AxisChoice::x : AxisChoice::y, seed});
+}
+
+/// Takes a triangle without open sides out of the first slab that has one.
+void lose_an_inner_triangle(UnstitchedMesh &local) {
+  for (std::size_t k = 0; k < local.mesh.slabs.size(); ++k) {
+    Triangulation &triangles = local.mesh.slabs[k].triangles;
+    for (LocalIndex t = 0; t < triangles.triangle_count(); ++t) {
+      const auto side = triangles.neighbours.begin() + 3 * t;
+      if (std::find(side, side + 3, none) != side + 3)
+        continue;
+      remove_triangles(triangles, std::span(&t, 1));
+      local.open_sides[k].clear();
+      for (std::size_t s = 0; s < triangles.neighbours.size(); ++s)
+        if (triangles.neighbours[s] == none)
+          local.open_sides[k].push_back(static_cast<LocalIndex>(s));
+      return;
+    }
+  }
+  ADD_FAILURE() << "no slab has an inner triangle";
+}
+
+// A fault of ours on one rank must never become a file: all ranks refuse the mesh.
+TEST(PipelineSmallSets, AMeshThatViolatesEulersRelationIsRefused) {
+  const Communicator comm = world();
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> coordinate(0, 1);
+  std::vector<Point> points(static_cast<std::size_t>(100 * comm.size()));
+  for (Point &p : points)
+    p = {coordinate(random), coordinate(random)};
+  SlabOptions options;
+  options.slabs = comm.size();
+  UnstitchedMesh local =
+      triangulate_region(split_into_regions(comm, sort_into_slabs(comm, deal(comm, points, 1), options)));
+  if (comm.rank() == comm.size() - 1)
+    lose_an_inner_triangle(local);
+  EXPECT_THROW(stitch(comm, std::move(local)), std::logic_error);
 }
 
 } // namespace
