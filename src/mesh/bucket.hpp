@@ -13,18 +13,10 @@ namespace dovetail::divide_and_conquer {
 
 /// Coordinates of a bucket under the vertex numbers of the whole. One more, the last, is the point at
 /// infinity.
-class NearSites {
-public:
-  NearSites() = default;
-  NearSites(const Point *points, Vertex first)
-      : origin_(reinterpret_cast<std::uintptr_t>(points) - offset_of(first)) {}
-  Point operator[](Vertex v) const { return *reinterpret_cast<const Point *>(origin_ + offset_of(v)); }
-
-private:
-  static std::uintptr_t offset_of(Vertex v) { return static_cast<std::uintptr_t>(v) * sizeof(Point); }
-  /// Address that vertex 0 would have. A pointer must not leave its array, not even on the way; and to
-  /// subtract `first` at every access would cost an instruction in the innermost loops.
-  std::uintptr_t origin_ = 0;
+struct NearSites {
+  const Point *points;
+  Vertex first; ///< the vertex of points[0]
+  Point operator[](Vertex v) const { return points[v - first]; }
 };
 
 /// Works on one bucket after another in the same memory.
