@@ -76,7 +76,7 @@ inline WholeMesh gather_mesh(const Communicator &comm, const DistributedMesh &me
     for (LocalIndex t = 0; t < slab.triangles.triangle_count(); ++t) {
       WholeMesh::Triangle triangle{};
       for (LocalIndex i = 0; i < 3; ++i) {
-        const auto side = static_cast<std::size_t>(3 * t + i), corner = static_cast<std::size_t>(i);
+        const auto corner = static_cast<std::size_t>(i), side = 3 * static_cast<std::size_t>(t) + corner;
         triangle.corner[corner] = vertex_number(slab, slab.triangles.corners[side]);
         const LocalIndex inner = slab.triangles.neighbours[side];
         const auto found = beyond.find(3 * t + i);
