@@ -6,6 +6,13 @@
 #include <new>
 
 namespace dovetail {
+namespace {
+
+Problem lack_of_memory() {
+  return {ErrorKind::resource, "", "", "out of memory", "use more ranks or more memory for each"};
+}
+
+} // namespace
 
 void agree(const Communicator &comm, const std::optional<Problem> &problem) {
   const int lowest = all_reduce_min(comm, problem ? comm.rank() : comm.size());
@@ -22,10 +29,9 @@ Problem current_problem() {
   } catch (const Error &error) {
     return error.problem();
   } catch (const std::bad_alloc &) {
-    return {ErrorKind::resource, "", "", "out of memory", "use more ranks or more memory for each"};
+    return lack_of_memory();
   } catch (const std::length_error &) {
-    return {ErrorKind::resource, "", "", "an array would be longer than memory can hold",
-            "use more ranks or more memory for each"};
+    return lack_of_memory();
   } catch (const std::exception &exception) {
     return {ErrorKind::input, "", "", exception.what(), ""};
   } catch (...) {

@@ -4,7 +4,10 @@
 #include "dovetail/base/error.hpp"
 #include "dovetail/comm/communicator.hpp"
 
+#include <new>
 #include <optional>
+#include <stdexcept>
+#include <string>
 #include <type_traits>
 #include <utility>
 
@@ -17,14 +20,35 @@ void agree(const Communicator &comm, const std::optional<Problem> &problem);
 /// std::length_error as a lack of memory, any other std::exception by its text. For use inside catch (...).
 Problem current_problem();
 
-/// Collective. Runs `work`, which must itself be Local, and agrees on how it ended.
-template <class Work> auto collectively(const Communicator &comm, Work &&work) {
+/// The same, where a lack of memory is told with the rank that lacks it and what for: `purpose` makes the
+/// words, such as "the paths of its slabs", and is only asked then.
+template <class Purpose> Problem current_problem(const Communicator &comm, Purpose &&purpose) {
+  const auto told = [&](Problem problem) {
+    problem.subject = "rank " + std::to_string(comm.rank());
+    problem.what += " for " + std::string(purpose());
+    return problem;
+  };
+  try {
+    throw;
+  } catch (const std::bad_alloc &) {
+    return told(current_problem());
+  } catch (const std::length_error &) {
+    return told(current_problem());
+  } catch (...) {
+    return current_problem();
+  }
+}
+
+/// Collective. Runs `work`, which must itself be Local, and agrees on how it ended. Whatever may need more
+/// memory than there is belongs in here: a rank that runs out of it elsewhere leaves the others waiting.
+template <class Purpose, class Work>
+auto collectively(const Communicator &comm, Purpose &&purpose, Work &&work) {
   std::optional<Problem> problem;
   if constexpr (std::is_void_v<std::invoke_result_t<Work>>) {
     try {
       std::forward<Work>(work)();
     } catch (...) {
-      problem = current_problem();
+      problem = current_problem(comm, purpose);
     }
     agree(comm, problem);
   } else {
@@ -32,11 +56,15 @@ template <class Work> auto collectively(const Communicator &comm, Work &&work) {
     try {
       result.emplace(std::forward<Work>(work)());
     } catch (...) {
-      problem = current_problem();
+      problem = current_problem(comm, purpose);
     }
     agree(comm, problem);
     return std::move(*result);
   }
+}
+template <class Work> auto collectively(const Communicator &comm, Work &&work) {
+  return collectively(
+      comm, [] { return "its share"; }, std::forward<Work>(work));
 }
 
 } // namespace dovetail

@@ -105,11 +105,18 @@ template <Number T> std::vector<T> all_reduce_min(const Communicator &comm, cons
 template <Number T> std::vector<T> all_reduce_max(const Communicator &comm, const std::vector<T> &values) {
   return all_reduce_ordered<T, boost::mpi::maximum>(comm, values);
 }
+template <Number T, template <class> class Operation>
+T all_reduce_ordered(const Communicator &comm, T value) {
+  using Moved = decltype(ordered::to_signed(T{}));
+  traffic::count_all_reduce(comm, sizeof(T));
+  return ordered::from_signed<T>(
+      boost::mpi::all_reduce(comm.boost(), ordered::to_signed(value), Operation<Moved>()));
+}
 template <Number T> T all_reduce_min(const Communicator &comm, T value) {
-  return all_reduce_min(comm, std::vector<T>{value}).front();
+  return all_reduce_ordered<T, boost::mpi::minimum>(comm, value);
 }
 template <Number T> T all_reduce_max(const Communicator &comm, T value) {
-  return all_reduce_max(comm, std::vector<T>{value}).front();
+  return all_reduce_ordered<T, boost::mpi::maximum>(comm, value);
 }
 
 inline bool any_of_ranks(const Communicator &comm, bool value) {
