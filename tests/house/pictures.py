@@ -51,4 +51,8 @@ with tempfile.TemporaryDirectory() as folder:
         assert pathlib.Path(picture).stat().st_size > 10_000
     done = plot(points, f"{folder}/none.png")
     assert done.returncode == 1 and points in done.stderr and "Traceback" not in done.stderr, done.stderr
+# Another Python than the one that has the packages: said in a sentence, not in a traceback.
+done = subprocess.run([sys.executable, "-S", tool, "--help"], capture_output=True, text=True, check=False)
+assert done.returncode == 1 and "install-dependencies plot" in done.stderr, done.stderr
+assert "Traceback" not in done.stderr, done.stderr
 print("two meshes drawn, with borders as in their triangles")
