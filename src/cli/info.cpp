@@ -1,5 +1,6 @@
 // dovetail info: what a file holds.
 #include "command.hpp"
+#include "options.hpp"
 #include "text.hpp"
 #include "verdict.hpp"
 
@@ -69,9 +70,10 @@ Subcommand add_info(CLI::App &app) {
   const auto path = std::make_shared<std::string>();
   parser->add_option("FILE", *path, "Points (.las, .npy, .f64) or a mesh (.vtkhdf)")
       ->required()
+      ->check(fault_of_name)
       ->option_text("(required)");
   return {parser, [path](const Session &session) {
-            if (path->ends_with(".vtkhdf"))
+            if (extension_of(*path) == ".vtkhdf")
               inform_of_mesh(session.comm, *path);
             else
               inform_of_points(session.comm, *path);

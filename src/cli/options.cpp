@@ -16,6 +16,8 @@ void add_telling_options(CLI::App &parser, Telling &telling) {
   parser.add_flag("--progress", telling.progress, "Show progress in one live line, also without a terminal");
 }
 
+std::string fault_of_name(const std::string &name) { return name.empty() ? "a file's name is empty" : ""; }
+
 void add_class_option(CLI::App &parser, std::vector<int> &classes) {
   parser
       .add_option_function<std::string>(

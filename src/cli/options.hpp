@@ -23,6 +23,10 @@ struct Telling {
 };
 void add_telling_options(CLI::App &parser, Telling &telling);
 
+/// For CLI11's check(): what is wrong with the name of a file that is empty, say from an unset variable of a
+/// shell.
+std::string fault_of_name(const std::string &name);
+
 /// Adds `--class 2,9`.
 void add_class_option(CLI::App &parser, std::vector<int> &classes);
 

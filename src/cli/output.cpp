@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -22,13 +23,22 @@ namespace fs = std::filesystem;
   throw Error(Problem{kind, path, "", std::move(what), std::move(remedy)});
 }
 
+/// Also if neither exists yet.
+bool same_target(const std::string &one, const std::string &other) {
+  const auto target = [](const std::string &path) {
+    std::error_code ignored;
+    return fs::weakly_canonical(output_target(path), ignored);
+  };
+  return one == other || target(one) == target(other);
+}
+
 void check_here(const std::string &path, std::span<const std::string> inputs,
                 std::span<const std::string_view> extensions) {
+  if (path.empty())
+    refuse(path, "the name of an output is empty", "name a file", ErrorKind::usage);
   const fs::path file(path);
-  bool known = extensions.empty();
-  for (const std::string_view extension : extensions)
-    known = known || file.extension() == extension;
-  if (!known)
+  if (!extensions.empty() &&
+      std::find(extensions.begin(), extensions.end(), extension_of(path)) == extensions.end())
     refuse(path,
            file.extension().empty() ? "an output without an extension"
                                     : fmt::format("'{}' is not an output format", file.extension().string()),
@@ -37,7 +47,8 @@ void check_here(const std::string &path, std::span<const std::string> inputs,
   std::error_code ignored;
   if (fs::is_directory(file, ignored))
     refuse(path, "is a folder", "name a file in it");
-  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  const fs::path target(output_target(path));
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   if (!fs::exists(folder, ignored))
     refuse(path, fmt::format("the folder {} does not exist", folder.string()),
            "make it first, or correct the name");
@@ -47,6 +58,10 @@ void check_here(const std::string &path, std::span<const std::string> inputs,
     refuse(path,
            fmt::format("the folder {} cannot be written to ({})", folder.string(), std::strerror(errno)),
            "choose another folder, or change its permissions");
+  // Replacing it would need the folder's permission alone, but whoever made it read-only meant to keep it.
+  if (fs::exists(file, ignored) && access(path.c_str(), W_OK) != 0)
+    refuse(path, fmt::format("is there and cannot be written to ({})", std::strerror(errno)),
+           "choose another name, or change its permissions");
   for (const std::string &input : inputs)
     if (path == input || fs::equivalent(file, input, ignored))
       refuse(path, "is an input of this run", "give the output another name", ErrorKind::usage);
@@ -66,8 +81,10 @@ void check_report(const Communicator &comm, const std::string &report, std::span
                   const std::string &output) {
   if (report.empty())
     return;
-  if (report == output)
-    refuse(report, "is both the output and the report", "give the report another name", ErrorKind::usage);
+  collectively(comm, [&] {
+    if (comm.is_root() && !output.empty() && same_target(report, output))
+      refuse(report, "is both the output and the report", "give the report another name", ErrorKind::usage);
+  });
   check_output(comm, report, inputs, {});
 }
 

@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <stdexcept>
 #include <system_error>
 
@@ -54,6 +57,13 @@ void print_row(std::string_view name, std::string_view value) { fmt::print("{:<1
 
 std::string counted(std::int64_t number, std::string_view singular, std::string_view plural) {
   return fmt::format("{} {}", with_separators(number), number == 1 ? singular : plural);
+}
+
+std::string extension_of(const std::string &path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
 }
 
 GlobalIndex count_from_text(const std::string &text) {

@@ -39,6 +39,9 @@ template <class Texts> std::string joined(const Texts &texts, std::string_view s
   return line;
 }
 
+/// The extension of a file's name in small letters, with its dot: ".las" of "dir/A.LAS".
+std::string extension_of(const std::string &path);
+
 /// A count as people type it: "1000000", "1e6", "2.5e6" or "1,000,000". Throws std::invalid_argument with a
 /// reason unless it is a whole number from 0 to 2^53.
 GlobalIndex count_from_text(const std::string &text);

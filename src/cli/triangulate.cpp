@@ -163,8 +163,8 @@ ExitCode run_triangulate(const TriangulateCommand &command, const Session &sessi
     print_outcome(command, session, outcome);
   if (outcome.validation && !outcome.validation->valid) {
     if (comm.is_root())
-      print_violations(joined(command.inputs, " "), "please report this fault of dovetail",
-                       *outcome.validation);
+      print_violations(joined(command.inputs, " "), "the mesh is not valid",
+                       "please report this fault of dovetail", *outcome.validation);
     return failure;
   }
   return success;
@@ -200,6 +200,7 @@ Subcommand add_triangulate(CLI::App &app) {
   const auto command = std::make_shared<TriangulateCommand>();
   parser->add_option("INPUT", command->inputs, "Files of points: .las, .npy, .f64")
       ->required()
+      ->check(fault_of_name)
       ->option_text("FILE ... (required)");
   parser->add_option("-o,--output", command->output, "Mesh to write; none to check it and write nothing")
       ->required()

@@ -18,8 +18,14 @@ std::string no_triangles_reason(GlobalIndex sites) {
   return fmt::format("no triangles, since all {} sites lie on one line", with_separators(sites));
 }
 
-void print_violations(const std::string &subject, const std::string &remedy, const ValidationReport &found) {
-  fmt::print(stderr, "dovetail: {}: the mesh is not valid, {}; {}\n", subject,
+bool only_the_points_differ(const ValidationReport &found) {
+  return !found.valid &&
+         found.violations_by_kind[static_cast<std::size_t>(ViolationKind::input)] == found.violation_count;
+}
+
+void print_violations(const std::string &subject, const std::string &fault, const std::string &remedy,
+                      const ValidationReport &found) {
+  fmt::print(stderr, "dovetail: {}: {}, {}; {}\n", subject, fault,
              counted(found.violation_count, "violation", "violations"), remedy);
   for (const Violation &violation : found.first_violations)
     fmt::print(stderr, "  {}: {}\n", name_of(violation.kind), violation.text);

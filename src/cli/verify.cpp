@@ -104,7 +104,8 @@ void print_result(const VerifyOptions &options, const Session &session, const Di
     print_row("valid", fmt::format("the canonical Delaunay triangulation of its sites{}",
                                    options.points.empty() ? "" : ", which are the points given"));
   else
-    print_row("NOT VALID", counted(found.violation_count, "violation", "violations"));
+    print_row(only_the_points_differ(found) ? "OTHER POINTS" : "NOT VALID",
+              counted(found.violation_count, "violation", "violations"));
 }
 
 ExitCode verify(const VerifyOptions &options, const Session &session) {
@@ -126,8 +127,13 @@ ExitCode verify(const VerifyOptions &options, const Session &session) {
     print_result(options, session, mesh, found, times);
   if (found.valid)
     return success;
-  if (comm.is_root())
-    print_violations(options.mesh, "make it again from its points", found);
+  if (comm.is_root() && only_the_points_differ(found))
+    print_violations(
+        options.mesh, "this is not the mesh of the points given",
+        "give the files it was made from, in the same order and with the same --class, or make it again",
+        found);
+  else if (comm.is_root())
+    print_violations(options.mesh, "the mesh is not valid", "make it again from its points", found);
   return failure;
 }
 
@@ -152,8 +158,10 @@ Subcommand add_verify(CLI::App &app) {
   const auto options = std::make_shared<VerifyOptions>();
   parser->add_option("MESH", options->mesh, "Mesh to check: .vtkhdf")
       ->required()
+      ->check(fault_of_name)
       ->option_text("FILE (required)");
   parser->add_option("--points", options->points, "Points that it was made from, in the same order")
+      ->check(fault_of_name)
       ->option_text("FILE ...");
   add_class_option(*parser, options->reading.classes);
   add_telling_options(*parser, options->telling);

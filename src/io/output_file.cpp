@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <sys/stat.h>
+#include <system_error>
 #include <unistd.h>
 #include <utility>
 
@@ -58,8 +59,21 @@ void sync_folder_of(const std::string &path) {
 
 } // namespace
 
+std::string output_target(const std::string &path) {
+  constexpr int longest_chain = 40; // as Linux has it
+  std::filesystem::path file(path);
+  std::error_code failed;
+  for (int links = 0; links < longest_chain; ++links) {
+    const std::filesystem::path next = std::filesystem::read_symlink(file, failed);
+    if (failed) // no link, or nothing
+      return file.string();
+    file = file.parent_path() / next; // an absolute `next` replaces the folder
+  }
+  return path;
+}
+
 OutputFile::OutputFile(const Communicator &comm, std::string path)
-    : comm_(comm), path_(std::move(path)), aside_(path_ + ".partial") {
+    : comm_(comm), path_(std::move(path)), target_(output_target(path_)), aside_(target_ + ".partial") {
   collectively(comm_, [&] {
     if (!comm_.is_root())
       return;
@@ -124,10 +138,10 @@ void OutputFile::commit() {
     if (!comm_.is_root())
       return;
     sync_file(aside_, path_); // what another library wrote
-    if (std::rename(aside_.c_str(), path_.c_str()) != 0)
+    if (std::rename(aside_.c_str(), target_.c_str()) != 0)
       fail(path_, "cannot be given its name", errno);
     created_ = false;
-    sync_folder_of(path_);
+    sync_folder_of(target_);
   });
 }
 

@@ -194,6 +194,29 @@ class Errors(harness.TestCase):
         self.refused("triangulate", self.good, "-o", folder / "output.vtkhdf", names=folder / "output.vtkhdf",
                      unprivileged=True)
 
+    def test_read_only_file_is_kept(self):
+        kept = self.folder / "kept.vtkhdf"
+        kept.write_bytes(b"kept")
+        kept.chmod(0o444)
+        self.refused("triangulate", self.good, "-o", kept, names=kept, says=["Permission denied"], unprivileged=True)
+        self.finish_refusals()
+        self.assertEqual(kept.read_bytes(), b"kept")
+
+    def test_link_to_nowhere(self):
+        link = self.folder / "nowhere_link.vtkhdf"
+        link.symlink_to(self.folder / "nowhere" / "output.vtkhdf")
+        # Known before anything is read.
+        self.refused("triangulate", self.folder / "missing.npy", "-o", link, names=link, says=["does not exist"])
+
+    def test_empty_name(self):
+        self.refused("triangulate", self.good, "-o", "", code=USAGE, says=["name"])
+        self.refused("triangulate", "", "-o", self.output, code=USAGE, says=["empty"])
+
+    def test_report_is_the_output_in_other_words(self):
+        mesh = self.folder / "both.vtkhdf"
+        self.refused("triangulate", self.good, "-o", mesh, "--report", f"{self.folder}/./both.vtkhdf", code=USAGE,
+                     says=["both.vtkhdf"], absent=mesh)
+
     def test_report_folder_missing(self):
         report = self.folder / "nowhere" / "report.json"
         self.refused("triangulate", self.good, "-o", self.output, "--report", report, names=report)
@@ -245,7 +268,8 @@ class Errors(harness.TestCase):
     def test_other_points(self):
         other = self.folder / "other.npy"
         self.succeed("generate", "uniform", "-n", "2000", "--seed", "2", "-o", other, "--quiet")
-        self.refused("verify", self.mesh, "--points", other, names=self.mesh)
+        # The mesh itself is right, and is not to be called wrong.
+        self.refused("verify", self.mesh, "--points", other, names=self.mesh, says=["not the mesh of the points given"])
 
     def test_broken_mesh(self):
         # Wherever a coordinate of some site stands in the file, moving it must not go unnoticed.

@@ -40,6 +40,13 @@ class Generate(harness.TestCase):
             self.succeed("generate", "normal", "-n", count, "--seed", 1, "-o", path, ranks=3)
             self.assertEqual(path.stat().st_size, 16 * count)
 
+    def test_capital_extensions(self):
+        points, mesh = self.folder / "P.NPY", self.folder / "M.VTKHDF"
+        self.succeed("generate", "normal", "-n", "10", "-o", points)
+        self.succeed("triangulate", points, "-o", mesh)
+        self.succeed("verify", mesh, "--points", points)
+        self.assertRegex(self.succeed("info", mesh).out, r"sites +10\n")
+
     def test_lattice_is_whole(self):
         path = self.folder / "lattice.f64"
         self.succeed("generate", "lattice", "-n", "90", "--seed", "3", "-o", path)

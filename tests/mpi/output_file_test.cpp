@@ -140,6 +140,34 @@ TEST(OutputFile, LeftoverIsReplaced) {
   EXPECT_EQ(content_of(folder.file("result")), "short");
 }
 
+TEST(OutputFile, FollowsLinks) {
+  namespace fs = std::filesystem;
+  const Communicator comm = world();
+  const TemporaryFolder folder(comm);
+  const std::string older = folder.make("older", "older");
+  if (comm.is_root()) {
+    fs::create_directory(folder.file("links"));
+    fs::create_symlink("../older", folder.file("links/relative"));
+    fs::create_symlink(folder.file("links/relative"), folder.file("links/absolute"));
+    fs::create_symlink("../new", folder.file("links/dangling"));
+    fs::create_symlink("circle", folder.file("links/circle"));
+  }
+  MPI_Barrier(comm.raw());
+  for (const char *name : {"links/absolute", "links/dangling"}) {
+    OutputFile file(comm, folder.file(name));
+    EXPECT_TRUE(fs::equivalent(fs::path(file.aside()).parent_path(), fs::path(older).parent_path()));
+    if (comm.is_root())
+      std::ofstream(file.aside()) << "newer";
+    file.commit();
+    EXPECT_TRUE(fs::is_symlink(folder.file(name)));
+    EXPECT_EQ(content_of(folder.file(name)), "newer");
+  }
+  EXPECT_EQ(content_of(older), "newer");
+  EXPECT_EQ(content_of(folder.file("new")), "newer");
+  const std::string circle = folder.file("links/circle");
+  expect_refused(comm, ErrorKind::output, circle, {"links"}, [&] { OutputFile(comm, circle); });
+}
+
 TEST(OutputFile, OneRanksFailureIsEverybodys) {
   const Communicator comm = world();
   const TemporaryFolder folder(comm);

@@ -10,12 +10,17 @@
 
 namespace dovetail {
 
+/// Local. What a name stands for once symbolic links are followed, whether or not it exists. A link that
+/// leads in a circle is returned as it is; opening it fails.
+std::string output_target(const std::string &path);
+
 /// The life of an output:
 ///
 ///     OutputFile file(comm, "mesh.vtkhdf");                  // Collective: creates mesh.vtkhdf.partial
 ///     collectively(comm, [&] { file.write_at(offset, ...); }); // Local: each rank its own byte ranges
 ///     file.commit();                                         // Collective: sync, rename
 ///
+/// A name that is a symbolic link stays one: what it leads to is replaced.
 /// A file that is not committed is removed when it is destroyed, so an Error that leaves the scope on all
 /// ranks cleans up after itself. What another library writes can be kept aside in the same way: let it write
 /// to aside(), close it, and commit. An older file of the name stays untouched until commit replaces it.
@@ -33,7 +38,7 @@ public:
   ~OutputFile();
 
   const std::string &path() const { return path_; }
-  /// Where it is until it is committed: path() + ".partial", in the same folder.
+  /// Where it is until it is committed: output_target(path()) + ".partial", in the same folder as that.
   const std::string &aside() const { return aside_; }
 
   /// Local: throws an Error, so call it inside `collectively`. Ranks' ranges must not overlap.
@@ -47,7 +52,8 @@ private:
   void close() noexcept;
 
   const Communicator &comm_;
-  std::string path_;
+  std::string path_;   // as the user named it, for messages
+  std::string target_; // what is replaced
   std::string aside_;
   int descriptor_ = -1;
   bool created_ = false; // by this rank, the root, and not yet committed
