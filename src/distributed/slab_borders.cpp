@@ -1,5 +1,6 @@
 #include "slab_borders.hpp"
 
+#include "dovetail/base/huge_pages.hpp"
 #include "dovetail/comm/agreement.hpp"
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/comm/exchange.hpp"
@@ -93,12 +94,12 @@ void redistribute(const Communicator &comm, PointTable &table, Axis axis,
   const auto size = static_cast<std::size_t>(received);
   const auto buffer = collectively(comm, [&] {
     if (size > table.points.size()) {
-      table.points.reserve(size);
-      table.input_index.reserve(size);
+      reserve_huge(table.points, size);
+      reserve_huge(table.input_index, size);
       for (Attribute &attribute : table.attributes)
-        attribute.values.reserve(size);
+        reserve_huge(attribute.values, size);
     }
-    return std::make_unique_for_overwrite<std::byte[]>(size * sizeof(Point));
+    return make_huge_for_overwrite<std::byte>(size * sizeof(Point));
   });
   std::vector<MergeRound> rounds;
   const auto send_column = [&]<class Value>(std::vector<Value> &column) {

@@ -1,5 +1,7 @@
 #include "sort_points.hpp"
 
+#include "dovetail/base/huge_pages.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -126,7 +128,7 @@ Buckets spread(std::span<const Point> points, Axis axis) {
     buckets.largest = std::max(buckets.largest, end - begins.back());
   }
 
-  buckets.records = std::make_unique_for_overwrite<Record[]>(points.size());
+  buckets.records = make_huge_for_overwrite<Record>(points.size());
   buckets.ends = std::move(begins);
   for (std::size_t i = 0; i < points.size(); ++i)
     buckets.records[buckets.ends[bucket_of[digit_of(points[i])]]++] = {key_of(points[i]), i};

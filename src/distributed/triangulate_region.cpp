@@ -1,6 +1,7 @@
 #include "dovetail/distributed/triangulate_region.hpp"
 
 #include "dovetail/base/error.hpp"
+#include "dovetail/base/huge_pages.hpp"
 #include "dovetail/geometry/predicates.hpp"
 #include "dovetail/mesh/checksum.hpp"
 #include "dovetail/mesh/divide_and_conquer.hpp"
@@ -58,7 +59,7 @@ void check_local_range(const SlabView &slab, std::size_t vertices) {
 template <class T>
 std::vector<T> slice(const std::vector<T> &values, std::size_t begin, std::size_t end, std::size_t room) {
   std::vector<T> result;
-  result.reserve(end - begin + room);
+  reserve_huge(result, end - begin + room);
   result.insert(result.end(), values.begin() + static_cast<std::ptrdiff_t>(begin),
                 values.begin() + static_cast<std::ptrdiff_t>(end));
   return result;

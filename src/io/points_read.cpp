@@ -1,6 +1,7 @@
 // Point files into the columns of a PointTable, every rank its own range of records.
 #include "dovetail/io/points.hpp"
 
+#include "dovetail/base/huge_pages.hpp"
 #include "dovetail/comm/agreement.hpp"
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/comm/serialization.hpp"
@@ -67,13 +68,13 @@ class Columns {
 public:
   Columns(PointTable &table, bool with_z, GlobalIndex expected) : table_(table) {
     const auto size = static_cast<std::size_t>(expected);
-    table_.points.reserve(size);
-    table_.input_index.reserve(size);
+    reserve_huge(table_.points, size);
+    reserve_huge(table_.input_index, size);
     if (!with_z)
       return;
     table_.attributes.push_back({"z", {}});
     z_ = &table_.attributes.back().values;
-    z_->reserve(size);
+    reserve_huge(*z_, size);
   }
 
   void append(const PointFile &file, GlobalIndex record, GlobalIndex first_index, double x, double y,

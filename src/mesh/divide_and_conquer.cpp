@@ -2,6 +2,7 @@
 
 #include "bucket.hpp"
 #include "dovetail/base/error.hpp"
+#include "dovetail/base/huge_pages.hpp"
 #include "median_tree.hpp"
 #include "merge.hpp"
 
@@ -118,6 +119,8 @@ Triangulation delaunay(std::span<const Point> sites) {
     return {};
   const std::size_t n = sites.size();
   Triangulation mesh;
+  reserve_huge(mesh.corners, 6 * n - 6);
+  reserve_huge(mesh.neighbours, 6 * n - 6);
   mesh.corners.resize(6 * n - 6);
   mesh.neighbours.resize(6 * n - 6);
   std::vector<LocalIndex> order(n);
