@@ -1,5 +1,6 @@
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/comm/exchange.hpp"
+#include "dovetail/distributed/ownership.hpp"
 #include "dovetail/distributed/stitch.hpp"
 
 #include <algorithm>
@@ -28,11 +29,6 @@ bool same_edge(const auto &a, const auto &b) { return a.low == b.low && a.high =
 auto edge_of(const auto &side) { return std::tuple(side.low, side.high, side.triangle); }
 
 std::size_t index(LocalIndex i) { return static_cast<std::size_t>(i); }
-
-GlobalIndex number_of_vertex(const SlabMesh &slab, LocalIndex vertex) {
-  return vertex < slab.own_count ? slab.first_site + vertex
-                                 : slab.ghost_number[index(vertex - slab.own_count)];
-}
 
 OpenSide open_side(const SlabMesh &slab, std::size_t k, LocalIndex side) {
   const LocalIndex triangle = side / 3, corner = side % 3;

@@ -1,6 +1,7 @@
 #include "dovetail/distributed/triangulate.hpp"
 
 #include "dovetail/comm/agreement.hpp"
+#include "dovetail/distributed/number_points.hpp"
 #include "dovetail/distributed/regions.hpp"
 #include "dovetail/distributed/stitch.hpp"
 #include "dovetail/distributed/triangulate_region.hpp"
@@ -23,12 +24,20 @@ DistributedMesh triangulate(const Communicator &comm, PointTable &&points,
       return work();
     });
   };
-  Slabs slabs = phase("sort", [&] { return sort_into_slabs(comm, std::move(points), options.slabs); });
+  Slabs slabs = phase("sort", [&] {
+    check_points(comm, points, options.slabs.subject);
+    return sort_into_slabs(comm, std::move(points), options.slabs);
+  });
   Region region = phase("split", [&] { return split_into_regions(comm, std::move(slabs)); });
   UnstitchedMesh local = measured("triangulate", [&] {
     return collectively(comm, [&] { return triangulate_region(std::move(region), progress); });
   });
   return phase("stitch", [&] { return stitch(comm, std::move(local)); });
+}
+
+DistributedMesh triangulate(const Communicator &comm, std::span<const Point> points,
+                            const TriangulateOptions &options) {
+  return triangulate(comm, number_points(comm, points), options);
 }
 
 } // namespace dovetail
