@@ -1,6 +1,7 @@
 // The command `dovetail`. All ranks parse the same command line, run the same subcommand and leave with the
 // same exit code; rank 0 alone prints.
 #include "command.hpp"
+#include "interrupt.hpp"
 #include "text.hpp"
 #include "version.hpp"
 
@@ -154,6 +155,7 @@ int main(int argc, char **argv) {
   const boost::mpi::environment environment(argc, argv, boost::mpi::threading::funneled);
   try {
     const Communicator world = Communicator::duplicate(boost::mpi::communicator());
+    const cli::InterruptWatch interrupts(world.is_root());
     const cli::Session session{world, std::vector<std::string>(argv, argv + argc), start,
                                std::chrono::steady_clock::now()};
     return cli::flush_output(session, cli::run_and_report(argc, argv, session));

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 namespace dovetail::cli {
 namespace {
@@ -16,12 +17,26 @@ double seconds_between(std::chrono::steady_clock::time_point from, std::chrono::
   return std::chrono::duration<double>(to - from).count();
 }
 
+// Who ends a run because of a signal stands outside of it, and the signal is the process's, so this is too.
+std::mutex meter_mutex;
+ProgressMeter *meter_in_use = nullptr;
+
 } // namespace
 
 ProgressMeter::ProgressMeter(ProgressStyle style, std::vector<Stage> stages)
     : style_(style), stages_(std::move(stages)) {
+  {
+    const std::lock_guard lock(meter_mutex);
+    meter_in_use = this;
+  }
   if (style_ != ProgressStyle::silent && !stages_.empty())
     thread_ = std::thread([this] { run(); });
+}
+
+ProgressMeter::~ProgressMeter() {
+  finish();
+  const std::lock_guard lock(meter_mutex);
+  meter_in_use = nullptr;
 }
 
 void ProgressMeter::begin(std::string_view name) {
@@ -65,7 +80,6 @@ void ProgressMeter::finish() {
 void ProgressMeter::run() {
   const bool live = style_ == ProgressStyle::live;
   const auto interval = live ? Clock::duration(live_interval) : Clock::duration(line_interval);
-  bool shown = false;
   std::unique_lock lock(mutex_);
   while (!wake_.wait_for(lock, interval, [this] { return finished_; })) {
     const std::string text = line(Clock::now());
@@ -74,12 +88,16 @@ void ProgressMeter::run() {
     else
       fmt::print(stderr, "{}\n", text);
     std::fflush(stderr);
-    shown = true;
+    shown_ = live;
   }
-  if (live && shown) {
-    std::fputs("\r\033[K", stderr);
-    std::fflush(stderr);
-  }
+  wipe_locked();
+}
+
+void ProgressMeter::wipe_locked() {
+  if (!std::exchange(shown_, false))
+    return;
+  std::fputs("\r\033[K", stderr);
+  std::fflush(stderr);
 }
 
 /// How much of the stage under way is done, as far as anybody can know.
@@ -117,6 +135,17 @@ std::string ProgressMeter::line(Clock::time_point now) const {
   const double done = (before + stages_[current_].weight * *fraction) / total;
   return text + fmt::format(", about {:.0f} % done, {} left", 100 * done,
                             rough_duration_text(elapsed * (1 - done) / done));
+}
+
+std::string silence_progress() {
+  std::unique_lock meters(meter_mutex);
+  meters.release();
+  if (meter_in_use == nullptr)
+    return "";
+  std::unique_lock lock(meter_in_use->mutex_);
+  meter_in_use->wipe_locked();
+  lock.release();
+  return meter_in_use->stages_.empty() ? "" : meter_in_use->stages_[meter_in_use->current_].name;
 }
 
 } // namespace dovetail::cli

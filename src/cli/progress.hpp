@@ -27,13 +27,13 @@ enum class ProgressStyle {
 /// Tells from a thread of its own, which never calls MPI, which stage is under way, how much of the run is
 /// done, and how long the rest will take if the stages share the time as they usually do. It promises nothing
 /// before it has measured something, nor when a stage takes longer than usual without telling how far it is.
-/// Nothing is printed in the first seconds: short runs stay silent. Local.
+/// Nothing is printed in the first seconds: short runs stay silent. Local. One at a time in a process.
 class ProgressMeter {
 public:
   ProgressMeter(ProgressStyle style, std::vector<Stage> stages);
   ProgressMeter(const ProgressMeter &) = delete;
   ProgressMeter &operator=(const ProgressMeter &) = delete;
-  ~ProgressMeter() { finish(); }
+  ~ProgressMeter();
 
   /// The stage `name` begins, and all before it in the list have ended. A name that is not in the list counts
   /// as part of the stage under way.
@@ -47,7 +47,9 @@ public:
 private:
   using Clock = std::chrono::steady_clock;
   void begin_locked(std::string_view name);
+  friend std::string silence_progress();
   void run();
+  void wipe_locked();
   std::optional<double> stage_fraction(Clock::time_point now) const;
   std::string line(Clock::time_point now) const;
 
@@ -63,7 +65,12 @@ private:
   double told_step_ = 0;               ///< by how much it had grown
   Clock::time_point told_at_ = start_; ///< when
   bool finished_ = false;
+  bool shown_ = false; ///< a live line stands there
   std::thread thread_;
 };
+
+/// For whoever ends the run from another thread: the stage under way, or nothing without a meter. No meter
+/// shows anything from then on, and none begins or ends: whoever tries is never returned to. Local.
+std::string silence_progress();
 
 } // namespace dovetail::cli

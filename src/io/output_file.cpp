@@ -3,10 +3,12 @@
 #include "dovetail/comm/agreement.hpp"
 #include "dovetail/io/input_file.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <fcntl.h>
 #include <filesystem>
+#include <mutex>
 #include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
@@ -57,6 +59,25 @@ void sync_folder_of(const std::string &path) {
   ::close(descriptor);
 }
 
+// What exists on disk because of this process, for abandon_outputs. It belongs to the process and not to any
+// object: whoever ends the process has no way to the objects.
+struct Ledger {
+  std::mutex mutex; // held while a file appears, is renamed or disappears
+  std::vector<std::string> aside;
+  std::vector<std::string> named;
+
+  void forget_aside(const std::string &path) noexcept {
+    const auto found = std::find(aside.begin(), aside.end(), path);
+    if (found != aside.end())
+      aside.erase(found);
+  }
+};
+
+Ledger &ledger() {
+  static Ledger *const only = new Ledger; // never destroyed: another thread may need it at the very end
+  return *only;
+}
+
 } // namespace
 
 std::string output_target(const std::string &path) {
@@ -79,17 +100,26 @@ OutputFile::OutputFile(const Communicator &comm, std::string path)
       return;
     refuse_unless_replaceable(path_);
     refuse_unless_replaceable(aside_);
+    Ledger &files = ledger();
+    const std::lock_guard lock(files.mutex);
+    files.aside.push_back(aside_);
     descriptor_ = ::open(aside_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, readable_and_writable);
-    if (descriptor_ < 0)
-      fail(path_, "cannot be written", errno);
+    if (descriptor_ < 0) {
+      const int error_number = errno;
+      files.aside.pop_back();
+      fail(path_, "cannot be written", error_number);
+    }
     created_ = true;
   });
 }
 
 OutputFile::~OutputFile() {
   close();
-  if (created_)
-    ::unlink(aside_.c_str());
+  if (!created_)
+    return;
+  const std::lock_guard lock(ledger().mutex);
+  ::unlink(aside_.c_str());
+  ledger().forget_aside(aside_);
 }
 
 void OutputFile::open() {
@@ -138,11 +168,28 @@ void OutputFile::commit() {
     if (!comm_.is_root())
       return;
     sync_file(aside_, path_); // what another library wrote
-    if (std::rename(aside_.c_str(), target_.c_str()) != 0)
-      fail(path_, "cannot be given its name", errno);
-    created_ = false;
+    {
+      Ledger &files = ledger();
+      const std::lock_guard lock(files.mutex);
+      files.named.push_back(path_);
+      if (std::rename(aside_.c_str(), target_.c_str()) != 0) {
+        const int error_number = errno;
+        files.named.pop_back();
+        fail(path_, "cannot be given its name", error_number);
+      }
+      created_ = false;
+      files.forget_aside(aside_);
+    }
     sync_folder_of(target_);
   });
+}
+
+std::vector<std::string> abandon_outputs() {
+  std::unique_lock lock(ledger().mutex);
+  lock.release(); // for good
+  for (const std::string &aside : ledger().aside)
+    ::unlink(aside.c_str());
+  return ledger().named;
 }
 
 } // namespace dovetail

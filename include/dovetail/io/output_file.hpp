@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace dovetail {
 
@@ -58,5 +59,11 @@ private:
   int descriptor_ = -1;
   bool created_ = false; // by this rank, the root, and not yet committed
 };
+
+/// Local, from any thread, while others may be using OutputFiles: for a program that must end in the middle
+/// of its work, because of a signal say, where no destructor runs. Removes what this process keeps aside, and
+/// returns the names that its outputs have been given so far. From then on no OutputFile of this process is
+/// created, committed or destroyed: whoever tries is never returned to, so let the process end.
+std::vector<std::string> abandon_outputs();
 
 } // namespace dovetail
