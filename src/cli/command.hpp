@@ -37,5 +37,6 @@ Subcommand add_triangulate(CLI::App &app);
 Subcommand add_generate(CLI::App &app);
 Subcommand add_verify(CLI::App &app);
 Subcommand add_info(CLI::App &app);
+Subcommand add_stats(CLI::App &app);
 
 } // namespace dovetail::cli

@@ -118,4 +118,16 @@ ValidationReport validate(const Communicator &comm, const DistributedMesh &mesh,
   return run(comm, mesh, &points, progress);
 }
 
+void require_sound_layout(const Communicator &comm, const DistributedMesh &mesh, const std::string &subject) {
+  Findings findings;
+  if (!validation::check_layout(comm, mesh, findings).empty() &&
+      validation::check_coordinates(comm, mesh, findings))
+    return;
+  const ValidationReport report = combine(comm, findings);
+  throw Error(
+      {ErrorKind::input, subject, "",
+       report.first_violations.empty() ? "the mesh contradicts itself" : report.first_violations.front().text,
+       "make the mesh again"});
+}
+
 } // namespace dovetail

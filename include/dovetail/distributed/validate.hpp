@@ -80,4 +80,8 @@ ValidationReport validate(const Communicator &comm, const DistributedMesh &mesh,
 ValidationReport validate(const Communicator &comm, const DistributedMesh &mesh, const PointTable &points,
                           const Progress &progress = {});
 
+/// Collective. Throws an Error (input) about `subject` unless array sizes and index ranges fit together and
+/// all coordinates are finite, which is what whoever walks over a mesh must rely on. Cheap.
+void require_sound_layout(const Communicator &comm, const DistributedMesh &mesh, const std::string &subject);
+
 } // namespace dovetail
