@@ -170,4 +170,13 @@ bool nearer(Point a, Point b, SplitLine line) {
   return greater_is_nearer == (of_a > of_b);
 }
 
+bool nearer(Point a, Point b, Point corner) {
+  const auto farther = []<std::size_t Words>(const Integers<Words, 6> &v) {
+    const auto &[ax, ay, bx, by, x, y] = v;
+    return ((ax - bx) * ((ax - x) + (bx - x)) + (ay - by) * ((ay - y) + (by - y))).sign();
+  };
+  const Sign sign = with_integers<6>({a.x, a.y, b.x, b.y, corner.x, corner.y}, farther);
+  return sign != Sign::zero ? sign == Sign::negative : lexicographically_less(b, a);
+}
+
 } // namespace dovetail::exact

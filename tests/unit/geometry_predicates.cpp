@@ -182,6 +182,21 @@ std::ostream &operator<<(std::ostream &out, const Case &c) {
   return out << "line " << c.line;
 }
 
+/// c as the corner of two split lines, c.x+ and c.y+.
+void check_corner(const Case &given, const std::vector<mpz_class> &z) {
+  const auto [a, b, c, unused] = given.points;
+  if (a == b)
+    return;
+  const auto square = [&](std::size_t site) {
+    const mpz_class x = z[2 * site] - z[4], y = z[2 * site + 1] - z[5];
+    return mpz_class(x * x + y * y);
+  };
+  const mpz_class of_a = square(0), of_b = square(1);
+  const bool a_is_nearer = of_a != of_b ? of_a < of_b : (z[0] != z[2] ? z[0] > z[2] : z[1] > z[3]);
+  ASSERT_EQ(nearer(a, b, c), a_is_nearer) << given;
+  ASSERT_EQ(exact::nearer(a, b, c), a_is_nearer) << given;
+}
+
 struct Checked {
   long orientation = 0, in_circle = 0, turn = 0, side = 0, zeros = 0;
 };
@@ -224,6 +239,7 @@ void check(const Case &given, Checked &checked) {
   ASSERT_EQ(exact::orientation(a, b, c), turn) << given;
   ++checked.orientation;
   checked.zeros += turn == Sign::zero;
+  check_corner(given, z);
   check_lines(given, z, Axis::x, checked);
   check_lines(given, z, Axis::y, checked);
   if (turn == Sign::zero || d == a || d == b || d == c)

@@ -1,4 +1,6 @@
+/// Both kernels against the definition, on small sets.
 #include "dovetail/mesh/divide_and_conquer.hpp"
+#include "dovetail/mesh/split_path_recursion.hpp"
 
 #include "support/small_sites_families.hpp"
 #include "support/small_sites_oracle.hpp"
@@ -64,6 +66,15 @@ void expect_consistent(const std::vector<IntegerSite> &sites, const Triangulatio
     }
 }
 
+struct Kernel {
+  const char *name;
+  Triangulation (*triangulate)(std::span<const Point>);
+};
+
+constexpr Kernel kernels[] = {
+    {"divide and conquer", [](std::span<const Point> sites) { return delaunay(sites); }},
+    {"split paths", [](std::span<const Point> sites) { return delaunay_by_split_paths(sites); }}};
+
 class SmallFamilies : public ::testing::TestWithParam<int> {};
 
 TEST_P(SmallFamilies, EqualTheDefinition) {
@@ -74,14 +85,16 @@ TEST_P(SmallFamilies, EqualTheDefinition) {
     const std::set<Triple> expected = testing::delaunay_by_definition(sites);
     const std::pair<std::int64_t, int> placements[] = {
         {0, 0}, {std::int64_t{1} << 51, -51}, {7, 498}, {-3, -498}, {0, -1000}, {0, 980}};
-    for (const auto &[shift, exponent] : placements) {
-      const Triangulation mesh = delaunay(scaled(sites, shift, exponent));
-      ASSERT_EQ(triples(mesh), expected) << "round " << round << " scaled by 2^" << exponent;
-      ASSERT_EQ(static_cast<std::size_t>(mesh.triangle_count()), expected.size());
-      expect_consistent(sites, mesh);
-      if (HasFatalFailure())
-        return;
-    }
+    for (const auto &[shift, exponent] : placements)
+      for (const Kernel &kernel : kernels) {
+        const Triangulation mesh = kernel.triangulate(scaled(sites, shift, exponent));
+        ASSERT_EQ(triples(mesh), expected)
+            << "round " << round << " scaled by 2^" << exponent << " by " << kernel.name;
+        ASSERT_EQ(static_cast<std::size_t>(mesh.triangle_count()), expected.size());
+        expect_consistent(sites, mesh);
+        if (HasFatalFailure())
+          return;
+      }
   }
 }
 
@@ -92,28 +105,34 @@ INSTANTIATE_TEST_SUITE_P(Mesh, SmallFamilies, ::testing::Range(0, testing::small
                            return name;
                          });
 
-RC_GTEST_PROP(DivideAndConquer, AnySmallSetEqualsTheDefinition,
+RC_GTEST_PROP(Kernels, AnySmallSetEqualsTheDefinition,
               (std::vector<std::pair<std::int8_t, std::int8_t>> raw)) {
   std::set<IntegerSite> distinct;
   for (const auto &[x, y] : raw)
     distinct.insert({x % 8, y % 8});
   const std::vector<IntegerSite> sites(distinct.begin(), distinct.end());
-  RC_ASSERT(triples(delaunay(scaled(sites, 0, 0))) == testing::delaunay_by_definition(sites));
+  const std::set<Triple> expected = testing::delaunay_by_definition(sites);
+  for (const Kernel &kernel : kernels)
+    RC_ASSERT(triples(kernel.triangulate(scaled(sites, 0, 0))) == expected);
 }
 
-TEST(DivideAndConquer, TooFewSitesHaveNoTriangles) {
-  EXPECT_EQ(delaunay({}).triangle_count(), 0);
-  EXPECT_EQ(delaunay(std::vector<Point>{{1, 2}}).triangle_count(), 0);
-  EXPECT_EQ(delaunay(std::vector<Point>{{1, 2}, {3, 4}}).triangle_count(), 0);
+TEST(Kernels, TooFewSitesHaveNoTriangles) {
+  for (const Kernel &kernel : kernels) {
+    EXPECT_EQ(kernel.triangulate({}).triangle_count(), 0);
+    EXPECT_EQ(kernel.triangulate(std::vector<Point>{{1, 2}}).triangle_count(), 0);
+    EXPECT_EQ(kernel.triangulate(std::vector<Point>{{1, 2}, {3, 4}}).triangle_count(), 0);
+  }
 }
 
-TEST(DivideAndConquer, IsDeterministic) {
+TEST(Kernels, AreDeterministic) {
   std::mt19937_64 random(5);
   const std::vector<Point> points = scaled(testing::small_sites(2, 40, random), 0, 0);
-  const Triangulation once = delaunay(points);
-  const Triangulation again = delaunay(points);
-  EXPECT_EQ(once.corners, again.corners);
-  EXPECT_EQ(once.neighbours, again.neighbours);
+  for (const Kernel &kernel : kernels) {
+    const Triangulation once = kernel.triangulate(points);
+    const Triangulation again = kernel.triangulate(points);
+    EXPECT_EQ(once.corners, again.corners);
+    EXPECT_EQ(once.neighbours, again.neighbours);
+  }
 }
 
 } // namespace

@@ -1,8 +1,9 @@
-/// Sets too large for brute force: the validator, the checksum under shuffles, and CGAL as an independent
-/// peer.
+/// Sets too large for brute force: the validator, the checksum under shuffles, the kernel by split paths, and
+/// CGAL as an independent peer.
 #include "dovetail/geometry/distributions.hpp"
 #include "dovetail/mesh/checksum.hpp"
 #include "dovetail/mesh/divide_and_conquer.hpp"
+#include "dovetail/mesh/split_path_recursion.hpp"
 #include "dovetail/mesh/validate.hpp"
 
 #ifdef DOVETAIL_TEST_CGAL
@@ -51,6 +52,7 @@ TEST_P(LargeSets, ValidAndBlindToOrder) {
   const std::uint64_t checksum = checksum_of(sites, mesh);
   std::ranges::sort(sites, lexicographically_less);
   EXPECT_EQ(checksum_of(sites, delaunay(sites)), checksum);
+  EXPECT_EQ(checksum_of(sites, delaunay_by_split_paths(sites)), checksum);
   std::ranges::reverse(sites);
   EXPECT_EQ(checksum_of(sites, delaunay(sites)), checksum);
 }
@@ -101,6 +103,8 @@ TEST(LargeAdversaries, Valid) {
     std::ranges::shuffle(sites, random);
     const FaultReport report = validate(sites, delaunay(sites));
     EXPECT_TRUE(report.valid()) << what << ": " << first_fault(report);
+    const FaultReport by_paths = validate(sites, delaunay_by_split_paths(sites));
+    EXPECT_TRUE(by_paths.valid()) << what << " by split paths: " << first_fault(by_paths);
   };
   std::mt19937_64 random(9);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -125,6 +129,26 @@ TEST(LargeAdversaries, Valid) {
   check("one far site", far);
   check("flat", steep);
   check("all scales", scales);
+}
+
+/// Levels halve the interior, every path site is counted, and paths are as long as they should be.
+TEST(SplitPaths, TraceTellsTheLevels) {
+  const std::vector<Point> sites = distinct_sites(Distribution::uniform, 20'000);
+  SplitTrace trace;
+  delaunay_by_split_paths(sites, &trace);
+  ASSERT_GT(trace.levels.size(), 8U);
+  EXPECT_EQ(trace.levels[0].subproblems, 1);
+  EXPECT_EQ(trace.levels[0].interior + trace.levels[0].border, 20'000);
+  const double root = std::sqrt(20'000.0);
+  EXPECT_GT(static_cast<double>(trace.levels[0].path), root); // about 1.3 times the root
+  EXPECT_LT(static_cast<double>(trace.levels[0].path), 1.7 * root);
+  for (std::size_t depth = 0; depth + 1 < trace.levels.size(); ++depth) {
+    const SplitLevel &level = trace.levels[depth], &below = trace.levels[depth + 1];
+    EXPECT_LT(below.interior, level.interior);
+    EXPECT_LE(below.largest, level.largest / 2);
+    EXPECT_GE(level.bucketing(), 1.0);
+    EXPECT_LE(level.longest_path, level.path);
+  }
 }
 
 /// Coordinates up to the greatest double: differences overflow, and no fixed point may be made of them.

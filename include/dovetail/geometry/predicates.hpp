@@ -44,7 +44,12 @@ bool circumcenter_is_left(Point a, Point b, Point c, SplitLine line);
 /// greater `across` is nearer, and sites of equal `across` are not nearer than each other.
 bool nearer(Point a, Point b, SplitLine line);
 
-/// The same six without the filters: what certification uses, so that a fault in a filter cannot hide
+/// True if the corner of the split lines x = corner.x+ and y = corner.y+ is nearer to a than to b, which are
+/// distinct. Of two at equal distances the one of greater x is nearer, of equal x that of greater y: the
+/// infinitesimal of y is smaller than that of x.
+bool nearer(Point a, Point b, Point corner);
+
+/// The same seven without the filters: what certification uses, so that a fault in a filter cannot hide
 /// itself.
 namespace exact {
 Sign orientation(Point a, Point b, Point c);
@@ -53,6 +58,7 @@ Sign hull_turn(Point a, Point b, Point c, SplitLine line);
 Sign hull_turn_unperturbed(Point a, Point b, Point c, SplitLine line);
 bool circumcenter_is_left(Point a, Point b, Point c, SplitLine line);
 bool nearer(Point a, Point b, SplitLine line);
+bool nearer(Point a, Point b, Point corner);
 } // namespace exact
 
 /// Filters give the sign of a determinant, or zero for "not decided": a filter never certifies a zero.
@@ -127,6 +133,18 @@ inline Sign hull_turn(Point a, Point b, Point c, SplitLine line) {
   return decide(determinant, constant * permanent + guard);
 }
 
+/// The square of the distance of a less that of b, as the sum over both coordinates of difference times sum
+/// (positions seen from the corner). Relative to the permanent, the difference has the error u, the sum 2u,
+/// their product 4u, the sum of both 5u; 6 leaves room for the rest.
+inline Sign farther(Point a, Point b, Point corner) {
+  const double ax = a.x - corner.x, ay = a.y - corner.y, bx = b.x - corner.x, by = b.y - corner.y;
+  const double dx = a.x - b.x, dy = a.y - b.y;
+  const double permanent =
+      std::fabs(dx) * (std::fabs(ax) + std::fabs(bx)) + std::fabs(dy) * (std::fabs(ay) + std::fabs(by));
+  constexpr double constant = 6.0 * unit_roundoff;
+  return decide(dx * (ax + bx) + dy * (ay + by), constant * permanent + underflow_guard);
+}
+
 } // namespace filter
 
 inline Sign orientation(Point a, Point b, Point c) {
@@ -163,6 +181,11 @@ inline bool nearer(Point a, Point b, SplitLine line) {
   const double of_a = std::fabs(across(a, line.axis) - line.position);
   const double of_b = std::fabs(across(b, line.axis) - line.position);
   return of_a != of_b ? of_a < of_b : exact::nearer(a, b, line);
+}
+
+inline bool nearer(Point a, Point b, Point corner) {
+  const Sign sign = filter::farther(a, b, corner);
+  return sign != Sign::zero ? sign == Sign::negative : exact::nearer(a, b, corner);
 }
 
 } // namespace dovetail

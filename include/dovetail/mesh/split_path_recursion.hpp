@@ -1,0 +1,58 @@
+/// Canonical Delaunay triangulation of one process's points by recursive splits along Delaunay paths, as
+/// published by Blelloch, Miller and Talmor (Developing a practical projection-based parallel Delaunay
+/// algorithm, 1996; with Hardwick, Design and implementation of a practical parallel Delaunay algorithm,
+/// 1999): all work is in the splits, nothing is merged. Independent of `delaunay`
+/// (mesh/divide_and_conquer.hpp) in everything but the predicates, and slower: the reference that `delaunay`
+/// is compared with.
+///
+/// What is split, and why it stays exact for cuts in both directions. A subproblem is a box between split
+/// lines, and its triangles are those with their circumcenter in it. Its sites are those whose Voronoi cells
+/// meet the box: the ones whose cells meet the box's boundary are its border B, all others its interior P,
+/// with cells inside the box. At any point of the box the nearest of its sites is the nearest of all, so the
+/// part within the box of the path that these sites alone make is exact; the rest is clipped at the corners.
+/// Going round the boundary of the box, the cells that are met, one after another, are B as a closed walk
+/// along Delaunay edges, pinched where the box is crossed by a single cell or edge. A cut leaves each half a
+/// part of the walk and the new path; the sites of the path leave P. Without P the walk bounds exactly the
+/// triangles of the box.
+#pragma once
+
+#include "dovetail/mesh/triangulation.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace dovetail {
+
+/// What happened at one depth of the recursion.
+struct SplitLevel {
+  std::int64_t subproblems = 0;
+  std::int64_t largest = 0;  ///< most interior sites of a subproblem
+  std::int64_t interior = 0; ///< interior sites of all subproblems
+  std::int64_t border = 0;   ///< border sites of all subproblems, each as often as it is met
+  std::int64_t path = 0;     ///< sites of all new paths, clipped
+  std::int64_t longest_path = 0;
+  /// Bucketing: the largest subproblem over the mean one; 1 is even.
+  double bucketing() const {
+    return interior > 0 ? static_cast<double>(largest * subproblems) / static_cast<double>(interior) : 1.0;
+  }
+};
+
+/// A record of a run, for studies.
+struct SplitTrace {
+  std::vector<SplitLevel> levels; ///< from the whole set downwards
+  double sort_s = 0;              ///< presorting in x and in y
+  double hull_s = 0;              ///< lower hulls
+  double border_s = 0;            ///< clipping, and dividing the borders
+  double split_s = 0;             ///< dividing the two orders
+  double bottom_s = 0;            ///< triangulating borders without interior, and joining triangles
+};
+
+/// The canonical Delaunay triangulation of distinct sites in any order, as `delaunay` gives it, with the
+/// triangles in another order. Local. At most 2^31 / 6 sites, or an Error.
+/// O(n log n) where paths are short, as they are for uniform sites: every level is linear in its sites and
+/// borders. A border of k sites without interior takes O(k^2) at worst; only sites that all lie on a convex
+/// curve, such as a circle, make such borders long.
+/// `trace` is filled if given, at the cost of reading the clock at every split.
+Triangulation delaunay_by_split_paths(std::span<const Point> sites, SplitTrace *trace = nullptr);
+
+} // namespace dovetail
