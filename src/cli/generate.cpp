@@ -13,9 +13,11 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <numeric>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -41,7 +43,7 @@ std::string distribution_names() {
 }
 
 /// Rank r has the points from floor(n r / ranks) on.
-PointTable generate_share(const SyntheticSet &set, int rank, int ranks) {
+PointTable generate_share(const SyntheticSet &set, int rank, int ranks, const Progress &progress) {
   const GlobalIndex whole = set.n / ranks;
   const GlobalIndex rest = set.n % ranks;
   const auto first_of = [&](int r) { return whole * r + rest * r / ranks; };
@@ -50,12 +52,19 @@ PointTable generate_share(const SyntheticSet &set, int rank, int ranks) {
 
   PointTable table;
   table.points.resize(count);
-  generate_points(set, first, table.points);
   table.input_index.resize(count);
   std::iota(table.input_index.begin(), table.input_index.end(), first);
-  if (has_height(set.distribution)) {
+  if (has_height(set.distribution))
     table.attributes.push_back({"z", std::vector<double>(count)});
-    generate_heights(set, first, table.attributes.back().values);
+
+  constexpr std::size_t at_once = std::size_t{1} << 20; // points between two words of progress
+  for (std::size_t begin = 0; begin < count; begin += at_once) {
+    const std::size_t end = std::min(count, begin + at_once);
+    const GlobalIndex number = first + static_cast<GlobalIndex>(begin);
+    generate_points(set, number, std::span(table.points).subspan(begin, end - begin));
+    for (Attribute &z : table.attributes)
+      generate_heights(set, number, std::span(z.values).subspan(begin, end - begin));
+    report_progress(progress, "generate", static_cast<double>(end) / static_cast<double>(count));
   }
   return table;
 }
@@ -69,7 +78,8 @@ ExitCode generate(const GenerateOptions &options, const Session &session) {
   PhaseLog phases(comm);
   meter.begin("generate");
   const PointTable points = phases.measure("generate", [&] {
-    return collectively(comm, [&] { return generate_share(options.set, comm.rank(), comm.size()); });
+    return collectively(
+        comm, [&] { return generate_share(options.set, comm.rank(), comm.size(), progress_into(meter)); });
   });
   meter.begin("write");
   phases.measure("write", [&] { write_points(comm, points, options.output); });

@@ -10,6 +10,7 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -23,6 +24,8 @@ namespace dovetail::cli {
 namespace {
 
 constexpr std::array<int, 3> watched_signals{SIGINT, SIGTERM, SIGHUP};
+// For the rank that tells, which also has the files: as soon as one rank is dead, mpirun kills the others.
+constexpr std::chrono::milliseconds head_start(300);
 
 // A handler of signals is told nothing else.
 std::atomic<int> pipe_to_watch{-1};
@@ -48,8 +51,10 @@ void pass_on(int signal) {
 void end_run(bool tells) {
   const std::vector<std::string> written = abandon_outputs();
   const std::string stage = silence_progress();
-  if (!tells)
+  if (!tells) {
+    std::this_thread::sleep_for(head_start);
     return;
+  }
   fmt::print(stderr, "dovetail: interrupted{}; {}\n", stage.empty() ? "" : " during " + stage,
              written.empty() ? "nothing was written" : joined(written, " and ") + " had been written");
   std::fflush(stderr);

@@ -11,7 +11,9 @@ namespace dovetail::cli {
 /// ignored before, as under nohup, stays ignored.
 ///
 /// On many ranks each does so for itself: no rank needs another one to end. If only some get the signal,
-/// their death makes the launcher send SIGTERM to the rest.
+/// their death makes the launcher send SIGTERM to the rest. Ranks
+/// that do not tell die a third of a second later: a launcher that sees one rank dead may kill the one that
+/// has the files before it has removed them.
 ///
 /// Local. One at a time in a process.
 class InterruptWatch {

@@ -16,7 +16,14 @@ void add_telling_options(CLI::App &parser, Telling &telling) {
   parser.add_flag("--progress", telling.progress, "Show progress in one live line, also without a terminal");
 }
 
-std::string fault_of_name(const std::string &name) { return name.empty() ? "a file's name is empty" : ""; }
+std::string fault_of_name(const std::string &name) {
+  if (name.empty())
+    return "a file's name is empty";
+  // Every rank reads its own part, and mpirun passes standard input to one of them alone.
+  return name == "-" ? "standard input is not read, so save it to a file first and name that (a file called "
+                       "'-' is './-')"
+                     : "";
+}
 
 void add_class_option(CLI::App &parser, std::vector<int> &classes) {
   parser

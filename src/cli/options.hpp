@@ -23,8 +23,8 @@ struct Telling {
 };
 void add_telling_options(CLI::App &parser, Telling &telling);
 
-/// For CLI11's check(): what is wrong with the name of a file that is empty, say from an unset variable of a
-/// shell.
+/// For CLI11's check(): what is wrong with the name of an input that is empty, say from an unset variable of a
+/// shell, or that means standard input.
 std::string fault_of_name(const std::string &name);
 
 /// Adds `--class 2,9`.

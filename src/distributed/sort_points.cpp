@@ -205,6 +205,9 @@ namespace {
 /// Which of the equal points begin .. end - 1 represents them.
 std::size_t representative(const PointTable &table, std::size_t begin, std::size_t end, DuplicateRule rule) {
   const std::vector<double> *z = heights_of(table);
+  const bool compares_z = z != nullptr && (rule == DuplicateRule::lowest || rule == DuplicateRule::highest);
+  for (std::size_t i = begin; compares_z && i < end; ++i)
+    assert(!std::isnan((*z)[i])); // or the choice would depend on the order of the input
   const auto better = [&](std::size_t a, std::size_t b) {
     if (z != nullptr && rule == DuplicateRule::lowest && (*z)[a] != (*z)[b])
       return (*z)[a] < (*z)[b];

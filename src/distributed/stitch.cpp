@@ -2,6 +2,7 @@
 
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/comm/exchange.hpp"
+#include "dovetail/geometry/predicates.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -79,6 +80,34 @@ void check_euler(const DistributedMesh &mesh) {
     throw std::logic_error("the stitched mesh violates Euler's relation");
 }
 
+/// Whether all sites of all ranks lie on one line. Collective.
+bool sites_are_collinear(const Communicator &comm, const DistributedMesh &mesh) {
+  constexpr double unknown = -std::numeric_limits<double>::infinity();
+  std::vector<double> ends(4, unknown); // the first and the last site of all
+  for (const SlabMesh &slab : mesh.slabs) {
+    const auto site = [&](LocalIndex i) { return slab.vertices.points[static_cast<std::size_t>(i)]; };
+    if (slab.own_count > 0 && slab.first_site == 0)
+      ends = {site(0).x, site(0).y, ends[2], ends[3]};
+    if (slab.own_count > 0 && slab.first_site + slab.own_count == mesh.site_count())
+      ends = {ends[0], ends[1], site(slab.own_count - 1).x, site(slab.own_count - 1).y};
+  }
+  ends = all_reduce_max(comm, ends);
+  bool turns = false;
+  for (const SlabMesh &slab : mesh.slabs)
+    turns =
+        turns || std::any_of(slab.vertices.points.begin(), slab.vertices.points.begin() + slab.own_count,
+                             [&](Point p) {
+                               return orientation({ends[0], ends[1]}, {ends[2], ends[3]}, p) != Sign::zero;
+                             });
+  return !any_of_ranks(comm, turns);
+}
+
+/// Of no triangles Euler's relation says nothing; there are none only if the sites lie on one line.
+void check_that_none_are_missing(const Communicator &comm, const DistributedMesh &mesh) {
+  if (mesh.triangle_count() == 0 && mesh.site_count() > 2 && !sites_are_collinear(comm, mesh))
+    throw std::logic_error("the stitched mesh has no triangles, and its sites do not lie on one line");
+}
+
 } // namespace
 
 DistributedMesh stitch(const Communicator &comm, UnstitchedMesh &&unstitched) {
@@ -91,6 +120,7 @@ DistributedMesh stitch(const Communicator &comm, UnstitchedMesh &&unstitched) {
   mesh.statistics = statistics;
   mesh.checksum = all_reduce_sum(comm, mesh.checksum);
   check_euler(mesh);
+  check_that_none_are_missing(comm, mesh);
   return mesh;
 }
 

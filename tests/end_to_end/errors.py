@@ -212,6 +212,10 @@ class Errors(harness.TestCase):
         self.refused("triangulate", self.good, "-o", "", code=USAGE, says=["name"])
         self.refused("triangulate", "", "-o", self.output, code=USAGE, says=["empty"])
 
+    def test_standard_input(self):
+        self.refused("triangulate", "-", "-o", self.output, code=USAGE, says=["standard input", "file"])
+        self.refused("info", "-", code=USAGE, says=["standard input", "file"])
+
     def test_report_is_the_output_in_other_words(self):
         mesh = self.folder / "both.vtkhdf"
         self.refused("triangulate", self.good, "-o", mesh, "--report", f"{self.folder}/./both.vtkhdf", code=USAGE,

@@ -138,9 +138,7 @@ void lose_an_inner_triangle(UnstitchedMesh &local) {
   ADD_FAILURE() << "no slab has an inner triangle";
 }
 
-// A fault of ours on one rank must never become a file: all ranks refuse the mesh.
-TEST(PipelineSmallSets, AMeshThatViolatesEulersRelationIsRefused) {
-  const Communicator comm = world();
+UnstitchedMesh unstitched_square(const Communicator &comm) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> coordinate(0, 1);
   std::vector<Point> points(static_cast<std::size_t>(100 * comm.size()));
@@ -148,10 +146,25 @@ TEST(PipelineSmallSets, AMeshThatViolatesEulersRelationIsRefused) {
     p = {coordinate(random), coordinate(random)};
   SlabOptions options;
   options.slabs = comm.size();
-  UnstitchedMesh local =
-      triangulate_region(split_into_regions(comm, sort_into_slabs(comm, deal(comm, points, 1), options)));
+  return triangulate_region(split_into_regions(comm, sort_into_slabs(comm, deal(comm, points, 1), options)));
+}
+
+// A fault of ours on one rank must never become a file: all ranks refuse the mesh.
+TEST(PipelineSmallSets, AMeshThatViolatesEulersRelationIsRefused) {
+  const Communicator comm = world();
+  UnstitchedMesh local = unstitched_square(comm);
   if (comm.rank() == comm.size() - 1)
     lose_an_inner_triangle(local);
+  EXPECT_THROW(stitch(comm, std::move(local)), std::logic_error);
+}
+
+TEST(PipelineSmallSets, AMeshWithoutTrianglesIsRefusedUnlessItsSitesAreCollinear) {
+  const Communicator comm = world();
+  UnstitchedMesh local = unstitched_square(comm);
+  for (std::size_t k = 0; k < local.mesh.slabs.size(); ++k) {
+    local.mesh.slabs[k].triangles = {};
+    local.open_sides[k].clear();
+  }
   EXPECT_THROW(stitch(comm, std::move(local)), std::logic_error);
 }
 

@@ -65,7 +65,8 @@ std::vector<GlobalIndex> slab_offsets(GlobalIndex sites, int slabs);
 /// arrive are merged; where merging has moved the k-th distinct site, a shift puts it right. One rank does
 /// the same without the exchange.
 ///
-/// points: any distribution over the ranks, input indices distinct over all of them; consumed. No -0.0.
+/// points: any distribution over the ranks, input indices distinct over all of them; consumed. No -0.0; under
+/// DuplicateRule::lowest and highest no z that is not a number.
 /// Memory: 16 bytes a point on top of the table, 20 on several ranks (and 32 for every merged point). Cost
 /// O(n) a rank and at most 128 rounds of an all-reduce of one number a rank. Errors: equal points under
 /// DuplicateRule::error; an untrue promise of `presorted`; slabs with more sites than LocalIndex allows.
