@@ -14,7 +14,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <memory>
 #include <numeric>
 #include <span>
@@ -32,7 +31,6 @@ struct GenerateOptions {
   Telling telling;
 };
 
-constexpr std::array<std::string_view, 2> output_extensions{".npy", ".f64"};
 const std::vector<std::string> phase_names{"generate", "write"};
 
 std::string distribution_names() {
@@ -40,6 +38,14 @@ std::string distribution_names() {
   for (const Distribution distribution : all_distributions)
     names.push_back(distribution_name(distribution));
   return joined(names, ", ");
+}
+
+std::vector<std::string_view> output_extensions() {
+  std::vector<std::string_view> names;
+  for (const PointExtension &each : point_extensions())
+    if (each.written)
+      names.push_back(each.extension);
+  return names;
 }
 
 /// Rank r has the points from floor(n r / ranks) on.
@@ -71,7 +77,7 @@ PointTable generate_share(const SyntheticSet &set, int rank, int ranks, const Pr
 
 ExitCode generate(const GenerateOptions &options, const Session &session) {
   const Communicator &comm = session.comm;
-  check_output(comm, options.output, {}, output_extensions);
+  check_output(comm, options.output, {}, output_extensions());
   check_report(comm, options.telling.report, {}, options.output);
 
   ProgressMeter meter(progress_style(comm.is_root(), options.telling), {{"generate", 1}, {"write", 2}});
@@ -113,7 +119,7 @@ Point i is a function of distribution, N, seed and i alone: the same for every n
 
 Examples:
   dovetail generate uniform -n 1000000 --seed 1 -o uniform.npy
-  dovetail generate lattice -n 1e4 -o lattice.f64
+  dovetail generate lattice -n 1e4 -o lattice.csv
   mpirun -n 2 dovetail generate lidar -n 2.5e6 --seed 42 -o survey.npy
 )";
 
@@ -160,7 +166,7 @@ Subcommand add_generate(CLI::App &app) {
           },
           "Another seed, other points")
       ->option_text("S [0]");
-  parser->add_option("-o,--output", options->output, "File to write: .npy, or raw doubles .f64")
+  parser->add_option("-o,--output", options->output, "File to write: " + known_point_extensions(true))
       ->required()
       ->option_text("FILE (required)");
   add_telling_options(*parser, options->telling);

@@ -68,7 +68,7 @@ Subcommand add_info(CLI::App &app) {
   CLI::App *parser = app.add_subcommand("info", "Say what a file of points or a mesh holds");
   parser->footer(examples);
   const auto path = std::make_shared<std::string>();
-  parser->add_option("FILE", *path, "Points (.las, .npy, .f64) or a mesh (.vtkhdf)")
+  parser->add_option("FILE", *path, fmt::format("Points ({}) or a mesh (.vtkhdf)", known_point_extensions()))
       ->required()
       ->check(fault_of_name)
       ->option_text("(required)");

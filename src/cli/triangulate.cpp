@@ -124,9 +124,10 @@ void print_input(const PointInput &input) {
     print_row("skipped", fmt::format("{} marked as withheld", counted(input.withheld, "point", "points")));
   if (input.other_class > 0)
     print_row("skipped", fmt::format("{} of other classes", counted(input.other_class, "point", "points")));
-  if (input.without_z > 0)
-    print_row("notice", fmt::format("{} without z got z = 0, because other files have a z",
-                                    counted(input.without_z, "point", "points")));
+  for (const AbsentAttribute &absent : input.absent)
+    print_row("notice", fmt::format("{} without {} got {}, because other files have it",
+                                    counted(absent.points, "point", "points"), absent.name,
+                                    absent.name == "z" ? "z = 0" : "NaN"));
   if (input.mixed_coordinate_systems)
     print_row("notice", "the files name different coordinate systems; coordinates are taken as they are");
 }
@@ -174,8 +175,10 @@ constexpr const char *details =
     R"(Triangulate the points of one file or several: the canonical Delaunay triangulation of
 their distinct (x, y), the same for every number of ranks and slabs.
 
-Input:  .las (1.0 to 1.4, uncompressed), .npy (N x 2 or N x 3, float64 or float32),
-        .f64 (x, y, x, y, ... as little-endian doubles)
+Input:  .las (1.0 to 1.4, uncompressed), .npy (N x 2, N x 3 or more columns of float64 or float32,
+        or records with fields x and y), .f64 (x, y, x, y, ... as little-endian doubles),
+        .xyz .csv .txt (x y [z ...] in every line, with or without a line of names),
+        .node (Triangle's vertices)
 Output: .vtkhdf, which ParaView and h5py read as well
 
 Examples:
@@ -198,7 +201,7 @@ Subcommand add_triangulate(CLI::App &app) {
   CLI::App *parser = app.add_subcommand("triangulate", "Make the Delaunay mesh of points");
   parser->footer(details);
   const auto command = std::make_shared<TriangulateCommand>();
-  parser->add_option("INPUT", command->inputs, "Files of points: .las, .npy, .f64")
+  parser->add_option("INPUT", command->inputs, "Files of points: " + known_point_extensions())
       ->required()
       ->check(fault_of_name)
       ->option_text("FILE ... (required)");

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -85,9 +86,12 @@ InputFile::InputFile(std::string path) : path_(std::move(path)) {
                "copy the data into a file first"});
 }
 
+InputFile::InputFile(std::string name, std::span<const std::byte> contents)
+    : path_(std::move(name)), bytes_(static_cast<std::int64_t>(contents.size())), contents_(contents) {}
+
 InputFile::InputFile(InputFile &&other) noexcept
-    : path_(std::move(other.path_)), bytes_(other.bytes_), descriptor_(std::exchange(other.descriptor_, -1)) {
-}
+    : path_(std::move(other.path_)), bytes_(other.bytes_), descriptor_(std::exchange(other.descriptor_, -1)),
+      contents_(other.contents_) {}
 
 InputFile::~InputFile() {
   if (descriptor_ >= 0)
@@ -95,6 +99,14 @@ InputFile::~InputFile() {
 }
 
 void InputFile::read_at(std::int64_t offset, std::span<std::byte> into) const {
+  if (descriptor_ < 0) {
+    const auto rest =
+        contents_.subspan(static_cast<std::size_t>(std::clamp<std::int64_t>(offset, 0, bytes_)));
+    if (into.size() > rest.size())
+      refuse(bytes_, "the file ends here, before it should", "copy or make the file again");
+    std::copy_n(rest.begin(), into.size(), into.begin());
+    return;
+  }
   while (!into.empty()) {
     const ssize_t count = ::pread(descriptor_, into.data(), into.size(), offset);
     if (count < 0 && errno == EINTR)

@@ -200,8 +200,7 @@ PointFile read_las_header(const InputFile &file) {
   result.path = file.path();
   result.format = PointFormat::las;
   result.file_bytes = file.bytes();
-  result.columns = 3;
-  result.number_bytes = 4;
+  result.columns = {{"x", NumberType::int32, 0}, {"y", NumberType::int32, 4}, {"z", NumberType::int32, 8}};
   const std::vector<std::byte> bytes = read_header_bytes(file, result.las.version_minor);
   const std::byte *header = bytes.data();
   take_point_format(result, file, header);

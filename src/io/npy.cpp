@@ -1,12 +1,18 @@
 #include "dovetail/io/npy.hpp"
 
+#include "point_columns.hpp"
+
 #include "dovetail/io/little_endian.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <limits>
+#include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace dovetail {
@@ -15,9 +21,14 @@ namespace {
 constexpr std::string_view magic("\x93NUMPY", 6);
 constexpr std::int64_t longest_header = 1 << 20;
 
+struct Field {
+  std::string name, type;
+};
+
 // What the dictionary of a header says.
 struct ArrayHeader {
-  std::string type;
+  std::string type;          // of all numbers, unless there are fields
+  std::vector<Field> fields; // of one record
   bool fortran_order = false;
   std::vector<GlobalIndex> shape;
 };
@@ -41,9 +52,10 @@ public:
       const std::string key = string();
       expect(':');
       if (key == "descr" && !type) {
-        if (next() != '\'' && next() != '"')
-          fail("the array has named fields or is nested");
-        header.type = string();
+        if (next() == '[')
+          header.fields = fields();
+        else
+          header.type = string();
         type = true;
       } else if (key == "fortran_order" && !order) {
         header.fortran_order = boolean();
@@ -96,6 +108,26 @@ private:
     position_ = end + 1;
     return std::string(inside);
   }
+  std::vector<Field> fields() {
+    std::vector<Field> result;
+    expect('[');
+    while (!accept(']')) {
+      expect('(');
+      Field field;
+      field.name = string();
+      expect(',');
+      field.type = string();
+      if (accept(',') && next() != ')')
+        fail(fmt::format("the field '{}' has more than one number", field.name));
+      expect(')');
+      result.push_back(std::move(field));
+      if (!accept(',') && next() != ']')
+        fail("',' or ']' is missing");
+    }
+    if (result.empty())
+      fail("the records have no fields");
+    return result;
+  }
   bool boolean() {
     next();
     for (const std::string_view word : {"True", "False"})
@@ -141,27 +173,77 @@ std::string shape_text(const std::vector<GlobalIndex> &shape) {
   return "(" + text + (shape.size() == 1 ? ",)" : ")");
 }
 
-void take_type(PointFile &result, const InputFile &file, const std::string &type) {
-  if (type == "<f8")
-    result.number_bytes = 8;
-  else if (type == "<f4")
-    result.number_bytes = 4;
-  else
-    file.refuse(0, fmt::format("the numbers are of type '{}', and only '<f8' and '<f4' can be read", type),
-                "save it again with numpy.save(file, array.astype('<f8'))");
+std::optional<NumberType> number_type(std::string_view type) {
+  constexpr std::array<std::pair<std::string_view, NumberType>, 9> known{{{"<f8", NumberType::float64},
+                                                                          {"<f4", NumberType::float32},
+                                                                          {"|i1", NumberType::int8},
+                                                                          {"|u1", NumberType::uint8},
+                                                                          {"|b1", NumberType::uint8},
+                                                                          {"<i2", NumberType::int16},
+                                                                          {"<u2", NumberType::uint16},
+                                                                          {"<i4", NumberType::int32},
+                                                                          {"<u4", NumberType::uint32}}};
+  for (const auto &[name, number] : known)
+    if (name == type)
+      return number;
+  return std::nullopt;
 }
 
-void take_shape(PointFile &result, const InputFile &file, const std::vector<GlobalIndex> &shape) {
-  if (shape.size() == 2 && (shape[1] == 2 || shape[1] == 3)) {
-    result.records = shape[0];
-    result.columns = static_cast<int>(shape[1]);
-    return;
+// An array of rows.
+void take_rows(PointFile &result, const InputFile &file, const ArrayHeader &header) {
+  const std::optional<NumberType> type = number_type(header.type);
+  if (type != NumberType::float64 && type != NumberType::float32)
+    file.refuse(
+        0, fmt::format("the numbers are of type '{}', and only '<f8' and '<f4' can be read", header.type),
+        "save it again with numpy.save(file, array.astype('<f8'))");
+  constexpr GlobalIndex most_columns = 1 << 16;
+  const std::vector<GlobalIndex> &shape = header.shape;
+  if (shape.size() != 2 || shape[1] < 2 || shape[1] > most_columns)
+    file.refuse(0,
+                fmt::format("the array has the shape {}, and points need (N, 2), (N, 3) or more columns",
+                            shape_text(shape)),
+                shape.size() == 2 && (shape[0] == 2 || shape[0] == 3)
+                    ? "save it again with numpy.save(file, array.T)"
+                    : "save x and y, and z if there is one, as columns");
+  result.records = shape[0];
+  for (GlobalIndex column = 0; column < shape[1]; ++column)
+    result.columns.push_back({"", *type, column * bytes_of(*type)});
+  result.record_bytes = shape[1] * bytes_of(*type);
+  result.by_columns = header.fortran_order;
+}
+
+// Bytes that nobody uses, "|V4": NumPy's way to say that fields are aligned. 0 if it is something else.
+std::int64_t padding_bytes(const Field &field) {
+  std::int64_t bytes = 0;
+  const char *const end = field.type.data() + field.type.size();
+  const bool is_padding = field.name.empty() && field.type.starts_with("|V") &&
+                          std::from_chars(field.type.data() + 2, end, bytes).ptr == end;
+  return is_padding && bytes > 0 && bytes <= longest_header ? bytes : 0;
+}
+
+// An array of records with named fields.
+void take_fields(PointFile &result, const InputFile &file, const ArrayHeader &header) {
+  if (header.shape.size() != 1)
+    file.refuse(0, fmt::format("the array has the shape {}, and records need (N,)", shape_text(header.shape)),
+                "save it again with numpy.save(file, array.ravel())");
+  result.records = header.shape[0];
+  result.has_fields = true;
+  for (const Field &field : header.fields) {
+    if (const std::int64_t padding = padding_bytes(field); padding > 0) {
+      result.record_bytes += padding;
+      continue;
+    }
+    const std::optional<NumberType> type = number_type(field.type);
+    if (!type)
+      file.refuse(
+          0, fmt::format("the field '{}' is of type '{}', which cannot be carried", field.name, field.type),
+          "make it '<f8', or leave it out");
+    result.columns.push_back({field.name, *type, result.record_bytes});
+    result.record_bytes += bytes_of(*type);
   }
-  const bool transposed = shape.size() == 2 && (shape[0] == 2 || shape[0] == 3);
-  file.refuse(0,
-              fmt::format("the array has the shape {}, and points need (N, 2) or (N, 3)", shape_text(shape)),
-              transposed ? "save it again with numpy.save(file, array.T)"
-                         : "save x and y, and z if there is one, as columns");
+  const std::size_t count = result.columns.size();
+  if (column_named(result.columns, "x") == count || column_named(result.columns, "y") == count)
+    file.refuse(0, "the records have no fields x and y", "name the fields of the coordinates x and y");
 }
 
 void check_length(const PointFile &result, const InputFile &file) {
@@ -214,20 +296,21 @@ PointFile read_npy_header(const InputFile &file) {
   try {
     const ArrayHeader header =
         HeaderParser({reinterpret_cast<const char *>(bytes.data()), bytes.size()}).parse();
-    take_type(result, file, header.type);
-    take_shape(result, file, header.shape);
-    result.by_columns = header.fortran_order;
+    if (header.fields.empty())
+      take_rows(result, file, header);
+    else
+      take_fields(result, file, header);
+    result.columns = coordinates_first(std::move(result.columns));
   } catch (const HeaderParser::Fault &fault) {
     refuse_header(prefix + static_cast<std::int64_t>(fault.position), fault.what);
   }
-  result.record_bytes = std::int64_t{result.columns} * result.number_bytes;
   check_length(result, file);
   return result;
 }
 
-std::string npy_header(GlobalIndex rows, int columns) {
-  std::string dictionary =
-      fmt::format("{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, {}), }}", rows, columns);
+namespace {
+
+std::string header_with(std::string dictionary) {
   constexpr std::size_t prefix = 10, multiple = 64;
   const std::size_t used = prefix + dictionary.size() + 1;
   dictionary.append((multiple - used % multiple) % multiple, ' ');
@@ -238,6 +321,24 @@ std::string npy_header(GlobalIndex rows, int columns) {
   header += static_cast<char>(dictionary.size() & 0xff);
   header += static_cast<char>(dictionary.size() >> 8);
   return header + dictionary;
+}
+
+} // namespace
+
+std::string npy_header(GlobalIndex rows, int columns) {
+  return header_with(
+      fmt::format("{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, {}), }}", rows, columns));
+}
+
+std::string npy_records_header(GlobalIndex rows, const std::vector<std::string> &names) {
+  std::string fields;
+  for (std::string name : names) {
+    std::replace_if(
+        name.begin(), name.end(), [](char c) { return c == '\'' || c == '\\' || c == '\n'; }, '_');
+    fields += fmt::format("{}('{}', '<f8')", fields.empty() ? "" : ", ", name);
+  }
+  return header_with(
+      fmt::format("{{'descr': [{}], 'fortran_order': False, 'shape': ({},), }}", fields, rows));
 }
 
 } // namespace dovetail

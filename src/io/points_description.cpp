@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 
 namespace dovetail {
 namespace {
@@ -14,12 +15,38 @@ std::string line(std::string_view label, const std::string &value) {
   return fmt::format("{:<18} {}", label, value);
 }
 
+std::string npy_text(const PointFile &file) {
+  if (file.has_fields)
+    return fmt::format("NPY, records of {} bytes with named fields", file.record_bytes);
+  return fmt::format("NPY, float{}, {} order", 8 * bytes_of(file.columns.front().type),
+                     file.by_columns ? "Fortran" : "C");
+}
+
+std::string text_text(const PointFile &file) {
+  const char *const separator = file.separator == ','   ? "commas"
+                                : file.separator == ';' ? "semicolons"
+                                                        : "blanks";
+  return fmt::format("text, {} columns separated by {}{}", file.fields, separator,
+                     file.named ? ", with a line of names" : "");
+}
+
+std::string attributes_text(const PointFile &file) {
+  std::string text;
+  for (std::size_t column = 2; column < file.columns.size(); ++column)
+    text += (text.empty() ? "" : ", ") + file.columns[column].name;
+  return text.empty() ? "none" : text;
+}
+
 std::string format_text(const PointFile &file) {
   switch (file.format) {
   case PointFormat::las:
     return fmt::format("LAS 1.{}, point format {}", file.las.version_minor, file.las.point_format);
   case PointFormat::npy:
-    return fmt::format("NPY, float{}, {} order", 8 * file.number_bytes, file.by_columns ? "Fortran" : "C");
+    return npy_text(file);
+  case PointFormat::text:
+    return text_text(file);
+  case PointFormat::node:
+    return "vertices of Triangle, as text";
   case PointFormat::f64:
     break;
   }
@@ -68,7 +95,7 @@ std::vector<std::string> description_lines(const PointFile &file) {
   std::vector<std::string> lines;
   lines.push_back(line("format", format_text(file)));
   lines.push_back(line("points", fmt::format("{}", file.records)));
-  lines.push_back(line("attributes", file.columns == 3 ? "z" : "none"));
+  lines.push_back(line("attributes", attributes_text(file)));
   if (file.format == PointFormat::las) {
     for (std::size_t axis = 0; axis < 3; ++axis)
       lines.push_back(line(fmt::format("{} (in the header)", "xyz"[axis]),

@@ -1,21 +1,17 @@
 // Point files into the columns of a PointTable, every rank its own range of records.
-#include "dovetail/io/points.hpp"
+#include "points_share.hpp"
 
 #include "dovetail/base/huge_pages.hpp"
 #include "dovetail/comm/agreement.hpp"
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/comm/serialization.hpp"
-#include "dovetail/io/input_file.hpp"
-#include "dovetail/io/las.hpp"
-#include "dovetail/io/little_endian.hpp"
+#include "dovetail/io/text.hpp"
 
 #include <boost/serialization/array.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bitset>
-#include <cmath>
-#include <numeric>
+#include <limits>
 
 namespace boost::serialization {
 
@@ -23,9 +19,14 @@ template <class Archive> void serialize(Archive &archive, dovetail::LasHeader &l
   archive &las.version_minor &las.point_format &las.scale &las.offset &las.lowest &las.highest;
 }
 
+template <class Archive> void serialize(Archive &archive, dovetail::PointColumn &column, unsigned) {
+  archive &column.name &column.type &column.place;
+}
+
 template <class Archive> void serialize(Archive &archive, dovetail::PointFile &file, unsigned) {
   archive &file.path &file.format &file.file_bytes &file.first_byte &file.record_bytes &file.records;
-  archive &file.columns &file.number_bytes &file.by_columns &file.las &file.coordinate_system;
+  archive &file.by_columns &file.has_fields &file.columns &file.las &file.separator &file.fields &file.named;
+  archive &file.coordinate_system;
 }
 
 } // namespace boost::serialization
@@ -33,17 +34,12 @@ template <class Archive> void serialize(Archive &archive, dovetail::PointFile &f
 namespace dovetail {
 namespace {
 
-constexpr std::size_t class_count = 256;
-
-// Records first .. first + count - 1 of a file.
-struct RecordRange {
-  GlobalIndex first, count;
-};
-
-// Where the coordinates of a range are in memory.
-struct Coordinates {
-  const std::byte *bytes;
-  std::int64_t record_stride, column_stride;
+// What a rank has read of one file. A text is numbered within the share until all lines are counted.
+struct Share {
+  std::size_t file;
+  RecordRange range;
+  std::size_t first_point, end_point; ///< in the table
+  LineCount text;
 };
 
 // Of `total` things in a row, the first that belongs to this part: parts differ by one at most.
@@ -51,129 +47,21 @@ GlobalIndex first_of_part(GlobalIndex total, int part, int parts) {
   return total / parts * part + std::min<GlobalIndex>(part, total % parts);
 }
 
-[[noreturn]] void refuse_coordinate(const PointFile &file, GlobalIndex record,
-                                    const std::array<double, 3> &values) {
-  const auto bad = std::find_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); });
-  const auto column = bad - values.begin();
-  const std::int64_t byte = file.by_columns
-                                ? file.first_byte + (column * file.records + record) * file.number_bytes
-                                : file.first_byte + record * file.record_bytes + column * file.number_bytes;
-  throw Error({ErrorKind::input, file.path, fmt::format("record {} (counted from 0), byte {}", record, byte),
-               fmt::format("{} is {}", "xyz"[column], std::isnan(*bad) ? "NaN (not a number)" : "infinite"),
-               "remove or repair that record"});
-}
-
-// Fills the columns of the table, which all have the same length.
-class Columns {
-public:
-  Columns(PointTable &table, bool with_z, GlobalIndex expected) : table_(table) {
-    const auto size = static_cast<std::size_t>(expected);
-    reserve_huge(table_.points, size);
-    reserve_huge(table_.input_index, size);
-    if (!with_z)
-      return;
-    table_.attributes.push_back({"z", {}});
-    z_ = &table_.attributes.back().values;
-    reserve_huge(*z_, size);
-  }
-
-  void append(const PointFile &file, GlobalIndex record, GlobalIndex first_index, double x, double y,
-              double z) {
-    if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z))
-      refuse_coordinate(file, record, {x, y, z});
-    table_.points.push_back({x + 0.0, y + 0.0}); // makes -0.0 to 0.0
-    table_.input_index.push_back(first_index + record);
-    if (z_ != nullptr)
-      z_->push_back(z + 0.0);
-  }
-
-private:
-  PointTable &table_;
-  std::vector<double> *z_ = nullptr;
-};
-
-template <class Number>
-void decode_numbers(const PointFileCount &input, RecordRange range, Coordinates from, Columns &columns) {
-  const auto coordinate = [&](GlobalIndex i, int column) {
-    return static_cast<double>(
-        load_little<Number>(from.bytes + i * from.record_stride + column * from.column_stride));
-  };
-  const bool with_z = input.file.columns == 3;
-  for (GlobalIndex i = 0; i < range.count; ++i)
-    columns.append(input.file, range.first + i, input.first_index, coordinate(i, 0), coordinate(i, 1),
-                   with_z ? coordinate(i, 2) : 0.0);
-}
-
-void decode_las(PointFileCount &input, RecordRange range, const std::byte *bytes,
-                const std::bitset<class_count> &classes, Columns &columns) {
-  const LasHeader &las = input.file.las;
-  for (GlobalIndex i = 0; i < range.count; ++i) {
-    const std::byte *record = bytes + i * input.file.record_bytes;
-    const LasFlags flags = las_flags(record, las.point_format);
-    if (flags.withheld) {
-      ++input.withheld;
-      continue;
-    }
-    if (!classes[static_cast<std::size_t>(flags.classification)]) {
-      ++input.other_class;
-      continue;
-    }
-    // One rounded product and one rounded sum, as every reader of LAS has it.
-    const auto coordinate = [&](std::size_t axis) {
-      return load_little<std::int32_t>(record + 4 * axis) * las.scale[axis] + las.offset[axis];
-    };
-    columns.append(input.file, range.first + i, input.first_index, coordinate(0), coordinate(1),
-                   coordinate(2));
-  }
-}
-
-// Coordinate columns of their own, or records, into the buffer.
-Coordinates load(const InputFile &file, const PointFile &layout, RecordRange range,
-                 std::span<std::byte> buffer) {
-  if (!layout.by_columns) {
-    const auto size = static_cast<std::size_t>(range.count * layout.record_bytes);
-    file.read_at(layout.first_byte + range.first * layout.record_bytes, buffer.first(size));
-    return {buffer.data(), layout.record_bytes, layout.number_bytes};
-  }
-  const std::int64_t column_bytes = range.count * layout.number_bytes;
-  for (std::int64_t column = 0; column < layout.columns; ++column)
-    file.read_at(layout.first_byte + (column * layout.records + range.first) * layout.number_bytes,
-                 buffer.subspan(static_cast<std::size_t>(column * column_bytes),
-                                static_cast<std::size_t>(column_bytes)));
-  return {buffer.data(), layout.number_bytes, column_bytes};
-}
-
-// Local. The range through a buffer of bounded size.
-void read_range(PointFileCount &input, RecordRange range, const PointReading &reading,
-                const std::bitset<class_count> &classes, Columns &columns) {
-  const PointFile &layout = input.file;
-  const InputFile file(layout.path);
+InputFile open_same(const PointFile &layout) {
+  InputFile file(layout.path);
   if (file.bytes() != layout.file_bytes)
     throw Error({ErrorKind::input, layout.path, "",
                  fmt::format("has {} bytes here and {} on the first rank", file.bytes(), layout.file_bytes),
                  "see that every machine has the same file, and that nobody is writing it"});
-  const GlobalIndex records_at_once =
-      std::clamp<GlobalIndex>(reading.buffer_bytes / layout.record_bytes, 1, range.count);
-  std::vector<std::byte> buffer(static_cast<std::size_t>(records_at_once * layout.record_bytes));
-  const GlobalIndex end = range.first + range.count;
-  for (GlobalIndex first = range.first; first < end; first += records_at_once) {
-    const RecordRange part{first, std::min(records_at_once, end - first)};
-    const Coordinates from = load(file, layout, part, buffer);
-    if (layout.format == PointFormat::las)
-      decode_las(input, part, from.bytes, classes, columns);
-    else if (layout.number_bytes == 4)
-      decode_numbers<float>(input, part, from, columns);
-    else
-      decode_numbers<double>(input, part, from, columns);
-  }
+  return file;
 }
 
-std::bitset<class_count> chosen_classes(const PointReading &reading) {
-  std::bitset<class_count> chosen;
+LasClasses chosen_classes(const PointReading &reading) {
+  LasClasses chosen;
   if (reading.classes.empty())
     chosen.set();
   for (const int number : reading.classes) {
-    if (number < 0 || number >= static_cast<int>(class_count))
+    if (number < 0 || number >= static_cast<int>(chosen.size()))
       throw Error({ErrorKind::usage, "--class", "", fmt::format("{} is not a class", number),
                    "classes go from 0 to 255"});
     chosen.set(static_cast<std::size_t>(number));
@@ -190,7 +78,7 @@ std::vector<PointFile> read_headers(const Communicator &comm, std::span<const st
     if (!comm.is_root())
       return;
     for (const std::string &path : paths) {
-      files.push_back(describe_points(path));
+      files.push_back(open_points(path));
       if (!reading.classes.empty() && files.back().format != PointFormat::las)
         throw Error(
             {ErrorKind::usage, path, "", "only LAS points have a class", "leave out --class or this file"});
@@ -216,8 +104,145 @@ void merge_coordinate_systems(PointInput &input) {
   }
 }
 
+// z first, then all that any file has.
+std::vector<Attribute> all_attributes(const std::vector<PointFileCount> &files) {
+  std::vector<Attribute> attributes;
+  const auto add = [&](const std::string &name) {
+    if (std::none_of(attributes.begin(), attributes.end(),
+                     [&](const Attribute &a) { return a.name == name; }))
+      attributes.push_back({name, {}});
+  };
+  if (std::any_of(files.begin(), files.end(), [](const PointFileCount &each) { return each.file.has("z"); }))
+    add("z");
+  for (const PointFileCount &each : files)
+    for (std::size_t column = 2; column < each.file.columns.size(); ++column)
+      add(each.file.columns[column].name);
+  return attributes;
+}
+
+// Local. This rank's part of all files together.
+std::vector<Share> read_shares(PointInput &input, const PointReading &reading, int rank, int ranks) {
+  const LasClasses classes = chosen_classes(reading);
+  GlobalIndex total = 0;
+  for (const PointFileCount &each : input.files)
+    total += shareable_records(each.file);
+  const GlobalIndex begin = first_of_part(total, rank, ranks), end = first_of_part(total, rank + 1, ranks);
+
+  PointTable &table = input.points;
+  const auto expected = static_cast<std::size_t>(end - begin);
+  reserve_huge(table.points, expected);
+  reserve_huge(table.input_index, expected);
+  for (Attribute &attribute : table.attributes)
+    reserve_huge(attribute.values, expected);
+
+  std::vector<Share> shares;
+  GlobalIndex before = 0;
+  for (std::size_t f = 0; f < input.files.size(); ++f) {
+    PointFileCount &each = input.files[f];
+    const GlobalIndex records = shareable_records(each.file);
+    const GlobalIndex first = std::clamp<GlobalIndex>(begin - before, 0, records);
+    const GlobalIndex last = std::clamp<GlobalIndex>(end - before, 0, records);
+    before += records;
+    if (first == last)
+      continue;
+    Share share{f, {first, last - first}, table.points.size(), 0, {}};
+    const InputFile file = open_same(each.file);
+    const FileColumns columns(table, each.file);
+    if (each.file.is_text())
+      share.text = read_lines(file, each.file, share.range, reading.buffer_bytes, columns);
+    else
+      read_records(file, each, share.range, reading.buffer_bytes, classes, columns);
+    share.end_point = table.points.size();
+    shares.push_back(share);
+  }
+  return shares;
+}
+
+// Of every file: how many lines lower ranks have read, and how many all.
+struct LinesOfAll {
+  std::vector<GlobalIndex> before, total;
+};
+
 // Collective.
-void add_up_counts(const Communicator &comm, PointInput &input, bool with_z) {
+LinesOfAll count_lines(const Communicator &comm, std::size_t files, const std::vector<Share> &shares) {
+  std::vector<GlobalIndex> own(files);
+  for (const Share &share : shares)
+    own[share.file] = share.text.lines;
+  return {exclusive_scan(comm, own), all_reduce_sum(comm, own)};
+}
+
+// Local. The vertices of a share count up from `due`.
+void check_numbers(const PointFile &layout, const Share &share, GlobalIndex due) {
+  const LineCount &text = share.text;
+  const bool first_is_right = text.first_number == static_cast<double>(due);
+  if (first_is_right && text.first_break < 0)
+    return;
+  const GlobalIndex line = first_is_right ? text.first_break : 0;
+  refuse_line(InputFile(layout.path), layout, share.range, line,
+              fmt::format("the vertex number is {}, and {} is due",
+                          first_is_right ? text.number_there : text.first_number, due + line),
+              "number the vertices one after the other, from 0 or from 1");
+}
+
+// Collective. Vertices must count up from 0 or 1 over all ranks, and be as many as promised.
+void check_vertex_numbers(const Communicator &comm, const PointInput &input, const std::vector<Share> &shares,
+                          const LinesOfAll &lines) {
+  std::vector<double> first(input.files.size(), std::numeric_limits<double>::lowest());
+  for (const Share &share : shares)
+    if (lines.before[share.file] == 0 && share.text.lines > 0)
+      first[share.file] = share.text.first_number;
+  first = all_reduce_max(comm, first);
+  collectively(comm, [&] {
+    for (const Share &share : shares) {
+      const PointFile &layout = input.files[share.file].file;
+      if (layout.format != PointFormat::node || share.text.lines == 0)
+        continue;
+      const GlobalIndex before = lines.before[share.file];
+      check_numbers(layout, share, before + (first[share.file] == 1 ? 1 : 0));
+      if (before <= layout.records && before + share.text.lines > layout.records)
+        refuse_line(
+            InputFile(layout.path), layout, share.range, layout.records - before,
+            fmt::format("the file goes on after the {} vertices that its header promises", layout.records),
+            "correct the number of vertices in the first line");
+    }
+    // Said by the last rank, because the message of the lowest counts, and a vertex is missing somewhere.
+    const bool last = comm.rank() + 1 == comm.size();
+    for (std::size_t f = 0; last && f < input.files.size(); ++f) {
+      const PointFile &layout = input.files[f].file;
+      if (layout.format == PointFormat::node && lines.total[f] < layout.records)
+        refuse_text(InputFile(layout.path), layout.file_bytes,
+                    fmt::format("the file ends here, with {} of the {} vertices that its header promises",
+                                lines.total[f], layout.records),
+                    "copy or make the file again, or correct its first line");
+    }
+  });
+}
+
+// Collective. Numbers the points through all files.
+void number_points(const Communicator &comm, PointInput &input, const std::vector<Share> &shares) {
+  LinesOfAll lines;
+  if (std::any_of(input.files.begin(), input.files.end(),
+                  [](const PointFileCount &each) { return each.file.is_text(); })) {
+    lines = count_lines(comm, input.files.size(), shares);
+    check_vertex_numbers(comm, input, shares, lines);
+  }
+  for (std::size_t f = 0; f < input.files.size(); ++f) {
+    PointFileCount &each = input.files[f];
+    if (each.file.is_text())
+      each.file.records = lines.total[f];
+    each.first_index = input.records;
+    input.records += each.file.records;
+  }
+  for (const Share &share : shares) {
+    const PointFileCount &each = input.files[share.file];
+    const GlobalIndex shift = each.first_index + (each.file.is_text() ? lines.before[share.file] : 0);
+    for (std::size_t i = share.first_point; shift != 0 && i < share.end_point; ++i)
+      input.points.input_index[i] += shift;
+  }
+}
+
+// Collective.
+void add_up_counts(const Communicator &comm, PointInput &input) {
   std::vector<GlobalIndex> counts;
   for (const PointFileCount &each : input.files) {
     counts.push_back(each.withheld);
@@ -232,8 +257,13 @@ void add_up_counts(const Communicator &comm, PointInput &input, bool with_z) {
     input.read += each.read;
     input.withheld += each.withheld;
     input.other_class += each.other_class;
-    if (with_z && each.file.columns < 3)
-      input.without_z += each.read;
+  }
+  for (const Attribute &attribute : input.points.attributes) {
+    GlobalIndex without = 0;
+    for (const PointFileCount &each : input.files)
+      without += each.file.has(attribute.name) ? 0 : each.read;
+    if (without > 0)
+      input.absent.push_back({attribute.name, without});
   }
 }
 
@@ -242,28 +272,14 @@ void add_up_counts(const Communicator &comm, PointInput &input, bool with_z) {
 PointInput read_points(const Communicator &comm, std::span<const std::string> paths,
                        const PointReading &reading) {
   PointInput input;
-  bool with_z = false;
-  for (PointFile &file : read_headers(comm, paths, reading)) {
-    with_z = with_z || file.columns == 3;
-    const GlobalIndex records = file.records;
-    input.files.push_back({std::move(file), input.records});
-    input.records += records;
-  }
+  for (PointFile &file : read_headers(comm, paths, reading))
+    input.files.push_back({std::move(file)});
   merge_coordinate_systems(input);
-
-  collectively(comm, [&] {
-    const std::bitset<class_count> classes = chosen_classes(reading);
-    const GlobalIndex begin = first_of_part(input.records, comm.rank(), comm.size());
-    const GlobalIndex end = first_of_part(input.records, comm.rank() + 1, comm.size());
-    Columns columns(input.points, with_z, end - begin);
-    for (PointFileCount &each : input.files) {
-      const GlobalIndex first = std::max(begin, each.first_index) - each.first_index;
-      const GlobalIndex last = std::min(end, each.first_index + each.file.records) - each.first_index;
-      if (first < last)
-        read_range(each, {first, last - first}, reading, classes, columns);
-    }
-  });
-  add_up_counts(comm, input, with_z);
+  input.points.attributes = all_attributes(input.files);
+  const std::vector<Share> shares =
+      collectively(comm, [&] { return read_shares(input, reading, comm.rank(), comm.size()); });
+  number_points(comm, input, shares);
+  add_up_counts(comm, input);
   return input;
 }
 

@@ -93,10 +93,10 @@ class Errors(harness.TestCase):
         self.refused("verify", folder, names=folder)
 
     def test_unknown_extension(self):
-        for name in ("points.xyz", "points", "points.npy.gz"):
+        for name in ("points.pts", "points", "points.npy.gz"):
             path = self.folder / name
             path.write_bytes(b"0 0\n1 1\n")
-            self.triangulate_refuses(path, ".npy", ".las", ".f64")
+            self.triangulate_refuses(path, ".npy", ".las", ".f64", ".csv", ".node")
 
     def test_compressed_las(self):
         path = self.folder / "points.laz"
@@ -126,7 +126,7 @@ class Errors(harness.TestCase):
     def test_malformed(self):
         for name, content in (
             ("magic.npy", b"not numpy at all" * 10),
-            ("shape.npy", npy_header("(4, 4)") + bytes(128)),
+            ("shape.npy", npy_header("(4, 1)") + bytes(32)),
             ("flat.npy", npy_header("(8,)") + bytes(64)),
             ("type.npy", npy_header("(4, 2)", "<i8") + bytes(64)),
             ("magic.las", b"FSAL" + bytes(1000)),
@@ -152,6 +152,27 @@ class Errors(harness.TestCase):
             path.write_bytes(npy_header("(1000, 2)") + (self.folder / f"{name}.f64").read_bytes())
             self.triangulate_refuses(path, "777")
 
+    def test_text(self):
+        for name, content, *says in (
+            ("bad.xyz", "1 2\n# c\n3 four\n", "line 3, character 3", "'four'"),
+            ("short.csv", "x,y,z\n1,2,3\n4,5\n", "line 3, character 4", "too few columns"),
+            ("nan.txt", "1 2\n3 nan\n", "line 2, character 3", "NaN"),
+            ("infinite.txt", "1 2\n-inf 3\n", "line 2, character 1", "infinite"),
+            ("comma.csv", "1,5;2,5\n", "line 1, character 1", "decimal commas"),
+            ("cut.node", "3 2 0 0\n1 0 0\n2 1 1\n", "line 4", "2 of the 3 vertices"),
+            ("gap.node", "3 2 0 0\n1 0 0\n3 1 1\n4 2 2\n", "line 3, character 1", "2 is due"),
+            ("empty.node", "", "empty"),
+            ("binary.txt", bytes(100).decode(), "not text"),
+        ):
+            path = self.folder / name
+            path.write_text(content)
+            self.triangulate_refuses(path, *says)
+        secret = self.folder / "secret.csv"
+        secret.write_text("1,2\n")
+        secret.chmod(0)
+        self.triangulate_refuses(secret, unprivileged=True)
+        self.triangulate_refuses(self.folder / "missing.node")
+
     def test_no_permission_to_read(self):
         path = self.folder / "secret.npy"
         shutil.copy(self.good, path)
@@ -163,7 +184,7 @@ class Errors(harness.TestCase):
     def test_unknown_output(self):
         output = self.folder / "output.stl"
         self.refused("triangulate", self.good, "-o", output, code=USAGE, names=output, says=[".vtkhdf"], absent=output)
-        output = self.folder / "output.csv"
+        output = self.folder / "output.las"
         self.refused("generate", "uniform", "-n", 10, "-o", output, code=USAGE, names=output, says=[".npy"], absent=output)
 
     def test_output_folder_missing(self):

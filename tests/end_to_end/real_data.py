@@ -102,5 +102,31 @@ class RealData(harness.TestCase):
             self.assertEqual(file["dovetail/duplicates"].shape, (DUPLICATES, 2))
 
 
+LAKE = harness.data_file("lake_superior.xyz")
+
+
+@unittest.skipIf(LAKE is None, "lake_superior.xyz is absent")
+class Shoreline(harness.TestCase):
+    """A shoreline as text: 1,552 points, `x y` in every line."""
+
+    def test_shoreline(self):
+        points = [tuple(map(float, line.split())) for line in LAKE.read_text().splitlines()]
+        checksums = set()
+        for ranks in (0, 3):
+            mesh = self.folder / "lake.vtkhdf"
+            report = self.report_of("triangulate", LAKE, "-o", mesh, ranks=ranks)
+            self.assertEqual((report["points"], report["sites"]), (len(points), len(set(points))))
+            self.assertEqual(report["triangles"], 2 * report["sites"] - 2 - report["hull_edges"])
+            checksums.add(report["checksum"])
+            self.succeed("verify", mesh, "--points", LAKE, ranks=ranks)
+        # The same numbers as Python reads them.
+        raw = self.folder / "lake.f64"
+        harness.write_f64(raw, points)
+        checksums.add(self.report_of("triangulate", raw, "-o", "none")["checksum"])
+        self.assertEqual(len(checksums), 1)
+        self.succeed("verify", mesh, "--points", raw)
+        self.assertRegex(self.succeed("info", LAKE).out, r"text, 2 columns separated by blanks\npoints +1552\n")
+
+
 if __name__ == "__main__":
     harness.main()

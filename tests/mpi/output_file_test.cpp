@@ -34,8 +34,8 @@ TEST(OutputFile, OutputsThatCannotBeWritten) {
     EXPECT_FALSE(std::filesystem::exists(path + ".partial"));
     MPI_Barrier(comm.raw());
   };
-  refused(ErrorKind::usage, folder.file("a.las"), {".npy or .f64"});
-  refused(ErrorKind::usage, folder.file("a.csv"), {".npy or .f64"});
+  refused(ErrorKind::usage, folder.file("a.las"), {"ends in one of .npy, .f64"});
+  refused(ErrorKind::usage, folder.file("a.stl"), {"ends in one of .npy, .f64"});
   refused(ErrorKind::output, folder.file("no/such/folder/a.npy"), {"No such file", "mkdir"});
   const std::string directory = folder.file("directory.npy"), pipe = folder.file("pipe.f64"),
                     locked = folder.file("locked"), file = folder.make("file", "");
@@ -57,11 +57,11 @@ TEST(OutputFile, OutputsThatCannotBeWritten) {
 
   PointTable with_z = table;
   with_z.attributes.push_back({"z", std::vector<double>(100)});
-  expect_refused(comm, ErrorKind::usage, "a.f64", {"have a z", ".npy"},
+  expect_refused(comm, ErrorKind::usage, "a.f64", {"attribute z", ".npy"},
                  [&] { write_points(comm, with_z, "a.f64"); });
-  with_z.attributes.push_back({"intensity", std::vector<double>(100)});
-  expect_refused(comm, ErrorKind::usage, "a.npy", {"'intensity'"},
-                 [&] { write_points(comm, with_z, "a.npy"); });
+  with_z.attributes[0].name = "intensity";
+  expect_refused(comm, ErrorKind::usage, "a.f64", {"attribute intensity", ".csv"},
+                 [&] { write_points(comm, with_z, "a.f64"); });
 }
 
 // A full disk, played by a limit on file sizes that some ranks meet and others do not.

@@ -79,8 +79,8 @@ TEST(PointErrors, FilesThatCannotBeOpened) {
 TEST(PointErrors, Extensions) {
   const Communicator comm = world();
   const TemporaryFolder folder(comm);
-  for (const std::string name : {"points.txt", "points", "points.las.gz", "points.f32", ".las", ""})
-    expect_unreadable(comm, name, {".las, .npy and .f64"});
+  for (const std::string name : {"points.pdf", "points", "points.las.gz", "points.f32", ".las", ""})
+    expect_unreadable(comm, name, {"known are .las, .npy, .f64, .xyz, .csv, .txt and .node"});
   expect_unreadable(comm, "a.laz", {"laszip -i a.laz -o a.las", "pdal translate a.laz a.las"});
   expect_unreadable(comm, folder.file("B.LAZ"), {"B.las"});
   // One bad file among good ones.
@@ -162,12 +162,23 @@ TEST(PointErrors, NpyHeaders) {
   for (const std::string type : {">f8", "=f8", "<i8", "|S8", "<f2", "<c16", "f8", ""})
     dictionary("{'descr': '" + type + "', 'fortran_order': False, 'shape': (3, 2)}",
                {"'" + type + "'", "astype('<f8')"});
-  dictionary("{'descr': [('x', '<f8'), ('y', '<f8')], 'fortran_order': False, 'shape': (3,)}",
-             {"named fields"});
-  for (const std::string shape : {"()", "(6,)", "(3, 1)", "(1, 4)", "(3, 2, 1)", "(0, 0)"})
+  const auto fields = [&](const std::string &descr, const std::string &shape,
+                          const std::vector<std::string> &parts) {
+    dictionary("{'descr': " + descr + ", 'fortran_order': False, 'shape': " + shape + "}", parts);
+  };
+  fields("[('x', '<f8'), ('t', '<f8')]", "(3,)", {"no fields x and y"});
+  fields("[('x', '<f8'), ('y', '<f8')]", "(3, 1)", {"shape (3, 1)", "ravel"});
+  fields("[('x', '<f8'), ('y', '>f8')]", "(3,)", {"'y' is of type '>f8'"});
+  fields("[('x', '<f8'), ('y', '<f8'), ('c', '<i8')]", "(2,)", {"'c' is of type '<i8'"});
+  fields("[('x', '<f8'), ('y', '<f8'), ('', '|V-8')]", "(2,)", {"'|V-8'"});
+  fields("[('x', '<f8'), ('y', '<f8', (1,))]", "(3,)", {"malformed", "more than one number"});
+  fields("[]", "(3,)", {"malformed", "no fields"});
+  fields("[('x', '<f8')", "(3,)", {"malformed"});
+  fields("[('x', '<f8'), ('y', '<f8')]", "(4,)", {"ends here, with 3 of the 4"});
+  for (const std::string shape : {"()", "(6,)", "(3, 1)", "(1, 70000)", "(3, 2, 1)", "(0, 0)"})
     dictionary("{'descr': '<f8', 'fortran_order': False, 'shape': " + shape + "}",
-               {"the shape " + shape, "(N, 2) or (N, 3)"});
-  dictionary("{'descr': '<f8', 'fortran_order': False, 'shape': (2, 7)}", {"array.T"});
+               {"the shape " + shape, "(N, 2), (N, 3) or more"});
+  dictionary("{'descr': '<f8', 'fortran_order': False, 'shape': (2, 70000)}", {"array.T"});
   dictionary("{'descr': '<f8', 'fortran_order': False, 'shape': (9223372036854775807, 2)}", {"too large"});
   dictionary("{'descr': '<f8', 'fortran_order': False, 'shape': (922337203685477580, 2)}",
              {"with 3 of the 922337203685477580"});

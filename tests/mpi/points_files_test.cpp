@@ -149,7 +149,7 @@ TEST(PointFiles, SeveralFilesCountOnAndEmptyOnesDoNotMatter) {
   EXPECT_EQ(input.files[4].first_index, 14);
   EXPECT_EQ(input.files[4].read, 6);
   EXPECT_EQ(input.files[5].first_index, 20);
-  EXPECT_EQ(input.without_z, 0);
+  EXPECT_TRUE(input.absent.empty());
 }
 
 TEST(PointFiles, MissingZIsZeroAndCounted) {
@@ -162,7 +162,8 @@ TEST(PointFiles, MissingZIsZeroAndCounted) {
   for (std::size_t i = 0; i < 5; ++i)
     wanted[i].z = 0;
   expect_rows(comm, input.points, wanted, true);
-  EXPECT_EQ(input.without_z, 5);
+  EXPECT_EQ(input.absent.at(0).name, "z");
+  EXPECT_EQ(input.absent.at(0).points, 5);
 }
 
 TEST(PointFiles, NoFiles) {
@@ -287,8 +288,8 @@ TEST(PointFiles, Description) {
   const std::string path = folder.make("tall.npy", npy_of<float>(rows(9), 3, true, 2));
   const PointFile file = describe_points(path);
   EXPECT_EQ(file.records, 9);
-  EXPECT_EQ(file.columns, 3);
-  EXPECT_EQ(file.number_bytes, 4);
+  EXPECT_EQ(file.columns.size(), 3u);
+  EXPECT_EQ(file.columns[2].type, NumberType::float32);
   EXPECT_TRUE(file.by_columns);
   const auto lines = description_lines(file);
   EXPECT_EQ(lines.at(0), "format             NPY, float32, Fortran order");

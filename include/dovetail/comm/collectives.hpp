@@ -133,6 +133,19 @@ template <std::integral T> T exclusive_scan(const Communicator &comm, T value) {
   return static_cast<T>(boost::mpi::scan(comm.boost(), value, std::plus<T>()) - value);
 }
 
+/// The same for every element of vectors of the same length on every rank (also length 0).
+template <std::integral T>
+std::vector<T> exclusive_scan(const Communicator &comm, const std::vector<T> &values) {
+  std::vector<T> sums(values.size());
+  if (values.empty())
+    return sums;
+  traffic::count_all_reduce(comm, static_cast<std::int64_t>(sizeof(T) * values.size()));
+  boost::mpi::scan(comm.boost(), values.data(), static_cast<int>(values.size()), sums.data(), std::plus<T>());
+  for (std::size_t i = 0; i < sums.size(); ++i)
+    sums[i] = static_cast<T>(sums[i] - values[i]);
+  return sums;
+}
+
 /// One value from every rank, by rank, on every rank.
 template <class T>
   requires std::is_trivially_copyable_v<T>

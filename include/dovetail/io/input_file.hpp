@@ -14,10 +14,13 @@ namespace dovetail {
 /// the reason and the kind (input or output).
 Problem file_problem(ErrorKind kind, const std::string &path, const std::string &what, int error_number);
 
-/// An open regular file. Local; every failure is an Error of kind input that names the file.
+/// An open regular file, or one in memory. Local; every failure is an Error of kind input that names the
+/// file.
 class InputFile {
 public:
   explicit InputFile(std::string path);
+  /// Bytes that outlive it, as if they were a file of this name.
+  InputFile(std::string name, std::span<const std::byte> contents);
   InputFile(InputFile &&other) noexcept;
   InputFile(const InputFile &) = delete;
   InputFile &operator=(InputFile &&) = delete;
@@ -36,7 +39,8 @@ public:
 private:
   std::string path_;
   std::int64_t bytes_ = 0;
-  int descriptor_ = -1;
+  int descriptor_ = -1; ///< none for contents in memory
+  std::span<const std::byte> contents_;
 };
 
 } // namespace dovetail

@@ -1,0 +1,60 @@
+#include "points_write_text.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace dovetail {
+namespace {
+
+constexpr std::size_t longest_number = 32; // 24 for a double, 20 for an integer
+
+char *put(double value, char *at) { return std::to_chars(at, at + longest_number, value).ptr; }
+char *put(GlobalIndex value, char *at) { return std::to_chars(at, at + longest_number, value).ptr; }
+
+} // namespace
+
+void append_lines(const PointTable &table, std::size_t first, std::size_t count, const TextStyle &style,
+                  std::string &text) {
+  const std::size_t before = text.size();
+  const std::size_t longest_line = (style.attributes.size() + 4) * (longest_number + 1) + 1;
+  text.resize(before + count * longest_line);
+  char *p = text.data() + before;
+  const auto add = [&](auto value) {
+    *p++ = style.separator;
+    p = put(value, p);
+  };
+  for (std::size_t i = first; i < first + count; ++i) {
+    if (style.numbered) {
+      p = put(style.first_number + static_cast<GlobalIndex>(i), p);
+      *p++ = style.separator;
+    }
+    p = put(table.points[i].x, p);
+    add(table.points[i].y);
+    for (const std::vector<double> *attribute : style.attributes)
+      add((*attribute)[i]);
+    if (style.marker != nullptr)
+      add(static_cast<GlobalIndex>((*style.marker)[i]));
+    *p++ = '\n';
+  }
+  text.resize(static_cast<std::size_t>(p - text.data()));
+}
+
+bool are_whole(const std::vector<double> &values) {
+  return std::all_of(values.begin(), values.end(),
+                     [](double v) { return std::abs(v) <= 0x1p53 && v == std::floor(v); });
+}
+
+std::string line_of_names(const PointTable &table) {
+  std::string line = "x,y";
+  for (const Attribute &attribute : table.attributes) {
+    std::string name = attribute.name;
+    std::replace_if(
+        name.begin(), name.end(), [](char c) { return c == '"' || c == '\n' || c == '\r'; }, '_');
+    const bool plain = name.find_first_of(",;#/ \t") == std::string::npos;
+    line += plain ? "," + name : ",\"" + name + "\"";
+  }
+  return line + "\n";
+}
+
+} // namespace dovetail
