@@ -46,96 +46,96 @@ struct Element {
   double area;
 };
 
-Element element(const std::array<std::size_t, 3> &site, const std::array<Point, 3> &p) {
-  const double twice = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x);
-  Element e{site, p, {}, twice / 2};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Point a = p[(i + 1) % 3], b = p[(i + 2) % 3];
-    e.gradient[i] = {(a.y - b.y) / twice, (b.x - a.x) / twice};
-  }
-  return e;
+void find_gradients(Element &e) {
+  const auto &[a, b, c] = e.corner;
+  const double twice = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+  const auto across = [&](Point from, Point to) {
+    return Point{(from.y - to.y) / twice, (to.x - from.x) / twice};
+  };
+  e.gradient = {across(b, c), across(c, a), across(a, b)};
+  e.area = twice / 2;
 }
 
 /// What one rank knows of the discrete problem.
-struct Problem {
+struct System {
   RankSites sites;
   std::vector<Element> elements;
   std::vector<bool> fixed; ///< the sites on the boundary
 };
 
-Problem discretise(const Communicator &comm, const dovetail::DistributedMesh &mesh) {
-  Problem problem{rank_sites(comm, mesh), {}, {}};
-  problem.fixed.resize(problem.sites.size());
+System discretise(const Communicator &comm, const dovetail::DistributedMesh &mesh) {
+  System system{rank_sites(comm, mesh), {}, {}};
+  system.fixed.resize(system.sites.size());
   for (const dovetail::SlabMesh &slab : mesh.slabs) {
-    const std::vector<std::size_t> position = positions_of_vertices(problem.sites, slab);
+    const std::vector<std::size_t> position = positions_of_vertices(system.sites, slab);
     for (std::size_t v = 0; v < position.size(); ++v)
-      problem.fixed[position[v]] = on_boundary(slab.vertices.points[v]);
+      system.fixed[position[v]] = on_boundary(slab.vertices.points[v]);
     for (std::size_t t = 0; t < slab.triangles.corners.size(); t += 3) {
-      std::array<std::size_t, 3> site{};
-      std::array<Point, 3> corner{};
+      Element &e = system.elements.emplace_back();
       for (std::size_t i = 0; i < 3; ++i) {
         const auto v = static_cast<std::size_t>(slab.triangles.corners[t + i]);
-        site[i] = position[v], corner[i] = slab.vertices.points[v];
+        e.site[i] = position[v];
+        e.corner[i] = slab.vertices.points[v];
       }
-      problem.elements.push_back(element(site, corner));
+      find_gradients(e);
     }
   }
-  return problem;
+  return system;
 }
 
 /// Adds up what the triangles of all ranks gave to each site; ghosts are brought up to date, too.
-void assemble(const Communicator &comm, const Problem &problem, Vector &values) {
-  dovetail::add_ghosts<double>(comm, problem.sites, values);
-  dovetail::update_ghosts<double>(comm, problem.sites, values);
+void assemble(const Communicator &comm, const System &system, Vector &values) {
+  dovetail::add_ghosts<double>(comm, system.sites, values);
+  dovetail::update_ghosts<double>(comm, system.sites, values);
   for (std::size_t s = 0; s < values.size(); ++s)
-    if (problem.fixed[s])
+    if (system.fixed[s])
       values[s] = 0;
 }
 
 /// The integrals of load times each hat function, by the rule of the edges' midpoints.
-Vector right_side(const Communicator &comm, const Problem &problem) {
-  Vector values(problem.sites.size());
-  for (const Element &e : problem.elements)
+Vector right_side(const Communicator &comm, const System &system) {
+  Vector values(system.sites.size());
+  for (const Element &e : system.elements)
     for (std::size_t i = 0; i < 3; ++i)
       for (const std::size_t j : {(i + 1) % 3, (i + 2) % 3})
         values[e.site[i]] += e.area / 6 * load(midpoint(e.corner[i], e.corner[j]));
-  assemble(comm, problem, values);
+  assemble(comm, system, values);
   return values;
 }
 
-Vector times_stiffness(const Communicator &comm, const Problem &problem, const Vector &u) {
+Vector times_stiffness(const Communicator &comm, const System &system, const Vector &u) {
   Vector values(u.size());
-  for (const Element &e : problem.elements) {
+  for (const Element &e : system.elements) {
     Point gradient{0, 0};
     for (std::size_t i = 0; i < 3; ++i)
       gradient = {gradient.x + u[e.site[i]] * e.gradient[i].x, gradient.y + u[e.site[i]] * e.gradient[i].y};
     for (std::size_t i = 0; i < 3; ++i)
       values[e.site[i]] += e.area * (gradient.x * e.gradient[i].x + gradient.y * e.gradient[i].y);
   }
-  assemble(comm, problem, values);
+  assemble(comm, system, values);
   return values;
 }
 
 /// Every site counts once, with its owner.
-double dot(const Communicator &comm, const Problem &problem, const Vector &a, const Vector &b) {
+double dot(const Communicator &comm, const System &system, const Vector &a, const Vector &b) {
   double sum = 0;
-  for (std::size_t s = 0; s < problem.sites.own_count; ++s)
+  for (std::size_t s = 0; s < system.sites.own_count; ++s)
     sum += a[s] * b[s];
   return all_reduce_sum(comm, sum);
 }
 
-Vector conjugate_gradients(const Communicator &comm, const Problem &problem, Vector residual) {
+Vector conjugate_gradients(const Communicator &comm, const System &system, Vector residual) {
   Vector u(residual.size()), direction = residual;
-  double square = dot(comm, problem, residual, residual);
+  double square = dot(comm, system, residual, residual);
   const double enough = 1e-24 * square;
   while (square > enough) {
-    const Vector image = times_stiffness(comm, problem, direction);
-    const double step = square / dot(comm, problem, direction, image);
+    const Vector image = times_stiffness(comm, system, direction);
+    const double step = square / dot(comm, system, direction, image);
     for (std::size_t s = 0; s < u.size(); ++s) {
       u[s] += step * direction[s];
       residual[s] -= step * image[s];
     }
-    const double last = std::exchange(square, dot(comm, problem, residual, residual));
+    const double last = std::exchange(square, dot(comm, system, residual, residual));
     for (std::size_t s = 0; s < u.size(); ++s)
       direction[s] = residual[s] + square / last * direction[s];
   }
@@ -143,9 +143,9 @@ Vector conjugate_gradients(const Communicator &comm, const Problem &problem, Vec
 }
 
 /// The norm of u - solution in L2.
-double error_of(const Communicator &comm, const Problem &problem, const Vector &u) {
+double error_of(const Communicator &comm, const System &system, const Vector &u) {
   double square = 0;
-  for (const Element &e : problem.elements)
+  for (const Element &e : system.elements)
     for (std::size_t i = 0; i < 3; ++i) {
       const std::size_t j = (i + 1) % 3;
       const double there = (u[e.site[i]] + u[e.site[j]]) / 2 - solution(midpoint(e.corner[i], e.corner[j]));
@@ -159,9 +159,8 @@ int main(int argc, char **argv) {
   const auto comm = Communicator::duplicate(MPI_COMM_WORLD);
   double coarser = 0;
   for (const int n : {8, 16, 32, 64}) {
-    const Problem problem = discretise(comm, dovetail::triangulate(comm, shaken_grid(comm, n)));
-    const double error =
-        error_of(comm, problem, conjugate_gradients(comm, problem, right_side(comm, problem)));
+    const System system = discretise(comm, dovetail::triangulate(comm, shaken_grid(comm, n)));
+    const double error = error_of(comm, system, conjugate_gradients(comm, system, right_side(comm, system)));
     if (comm.is_root())
       std::printf("n = %2d: error %.10e, order %.2f\n", n, error,
                   coarser > 0 ? std::log2(coarser / error) : 0);
