@@ -38,5 +38,6 @@ Subcommand add_generate(CLI::App &app);
 Subcommand add_verify(CLI::App &app);
 Subcommand add_info(CLI::App &app);
 Subcommand add_stats(CLI::App &app);
+Subcommand add_render(CLI::App &app);
 
 } // namespace dovetail::cli

@@ -33,6 +33,7 @@ constexpr const char *examples = R"(Examples:
   mpirun -n 4 dovetail verify stars.vtkhdf --points stars.npy
   dovetail info stars.vtkhdf
   dovetail stats stars.vtkhdf
+  dovetail render stars.vtkhdf -o stars.png
 Each command has its own help, such as dovetail triangulate --help.
 )";
 
@@ -110,7 +111,7 @@ ExitCode run(int argc, char **argv, const Session &session) {
   app.set_version_flag("--version", version_text, "Print the versions of dovetail and its libraries");
   app.require_subcommand(1);
   const std::vector<Subcommand> subcommands{add_triangulate(app), add_generate(app), add_verify(app),
-                                            add_info(app), add_stats(app)};
+                                            add_info(app),        add_stats(app),    add_render(app)};
   try {
     refuse_unknown_command(app, session.command_line);
     app.parse(argc, argv);

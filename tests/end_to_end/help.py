@@ -8,7 +8,7 @@ import unittest
 import harness
 from harness import dovetail
 
-SUBCOMMANDS = ("triangulate", "generate", "verify", "info", "stats")
+SUBCOMMANDS = ("triangulate", "generate", "verify", "info", "stats", "render")
 
 
 def examples(*command):
@@ -59,7 +59,7 @@ class Help(harness.TestCase):
 
     def test_examples(self):
         # In the order in which one makes what the next reads.
-        for command in ((), ("generate",), ("triangulate",), ("verify",), ("info",), ("stats",)):
+        for command in ((), ("generate",), ("triangulate",), ("verify",), ("info",), ("stats",), ("render",)):
             for words in examples(*command):
                 with self.subTest(example=" ".join(words)):
                     self.run_example(words)
