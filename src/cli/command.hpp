@@ -37,6 +37,7 @@ Subcommand add_triangulate(CLI::App &app);
 Subcommand add_generate(CLI::App &app);
 Subcommand add_verify(CLI::App &app);
 Subcommand add_info(CLI::App &app);
+Subcommand add_convert(CLI::App &app);
 Subcommand add_stats(CLI::App &app);
 Subcommand add_render(CLI::App &app);
 

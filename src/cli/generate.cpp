@@ -78,7 +78,7 @@ PointTable generate_share(const SyntheticSet &set, int rank, int ranks, const Pr
 ExitCode generate(const GenerateOptions &options, const Session &session) {
   const Communicator &comm = session.comm;
   check_output(comm, options.output, {}, output_extensions());
-  check_report(comm, options.telling.report, {}, options.output);
+  check_report(comm, options.telling.report, {}, std::span(&options.output, 1));
 
   ProgressMeter meter(progress_style(comm.is_root(), options.telling), {{"generate", 1}, {"write", 2}});
   PhaseLog phases(comm);

@@ -15,6 +15,17 @@
 
 namespace dovetail::cli {
 
+/// What the help texts say of mesh outputs; io/mesh.hpp has the details.
+inline constexpr const char *mesh_outputs =
+    R"(  .vtkhdf          all there is to know, for ParaView, VTK, h5py and dovetail itself
+  .vtu             the whole mesh for VTK
+  .pvtu            a part for each slab with its ghosts, NAME.0.vtu, NAME.1.vtu, ..., and their summary
+  .ply             sites and triangles, binary, up to 2,147,483,647 of each
+  .msh             Gmsh 4.1, binary, a partition for each slab
+  .node .ele       Triangle's NAME.node, NAME.ele and NAME.neigh: nodes are the points of the input, all of
+                   them in their order, from 0
+  .npy             NAME.points.npy, NAME.triangles.npy, NAME.neighbours.npy, NAME.index.npy)";
+
 /// How much a run tells, and to whom.
 struct Telling {
   std::string report; ///< file; empty for none

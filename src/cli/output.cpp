@@ -3,6 +3,7 @@
 #include "text.hpp"
 
 #include "dovetail/comm/agreement.hpp"
+#include "dovetail/io/mesh.hpp"
 #include "dovetail/io/output_file.hpp"
 
 #include <fmt/format.h>
@@ -23,6 +24,10 @@ namespace fs = std::filesystem;
   throw Error(Problem{kind, path, "", std::move(what), std::move(remedy)});
 }
 
+[[noreturn]] void refuse_empty() {
+  refuse("", "the name of an output is empty", "name a file", ErrorKind::usage);
+}
+
 /// Also if neither exists yet.
 bool same_target(const std::string &one, const std::string &other) {
   const auto target = [](const std::string &path) {
@@ -35,7 +40,7 @@ bool same_target(const std::string &one, const std::string &other) {
 void check_here(const std::string &path, std::span<const std::string> inputs,
                 std::span<const std::string_view> extensions) {
   if (path.empty())
-    refuse(path, "the name of an output is empty", "name a file", ErrorKind::usage);
+    refuse_empty();
   const fs::path file(path);
   if (!extensions.empty() &&
       std::find(extensions.begin(), extensions.end(), extension_of(path)) == extensions.end())
@@ -77,12 +82,37 @@ void check_output(const Communicator &comm, const std::string &path, std::span<c
   });
 }
 
+std::vector<std::string> check_mesh_output(const Communicator &comm, const std::string &path,
+                                           std::span<const std::string> inputs) {
+  if (path.empty())
+    refuse_empty();
+  std::vector<std::string> files = mesh_files(path);
+  for (const std::string &file : files)
+    check_output(comm, file, inputs, {});
+  return files;
+}
+
+std::string files_text(std::span<const std::string> files) {
+  std::int64_t bytes = 0;
+  for (const std::string &file : files) {
+    std::error_code ignored;
+    const auto size = fs::file_size(file, ignored);
+    bytes += ignored ? 0 : static_cast<std::int64_t>(size);
+  }
+  constexpr std::size_t few = 4;
+  const std::string names = files.size() <= few
+                                ? joined(files, ", ")
+                                : fmt::format("{} and its {} parts", files.back(), files.size() - 1);
+  return fmt::format("{}, {}", names, size_text(bytes));
+}
+
 void check_report(const Communicator &comm, const std::string &report, std::span<const std::string> inputs,
-                  const std::string &output) {
+                  std::span<const std::string> outputs) {
   if (report.empty())
     return;
   collectively(comm, [&] {
-    if (comm.is_root() && !output.empty() && same_target(report, output))
+    if (comm.is_root() && std::any_of(outputs.begin(), outputs.end(),
+                                      [&](const std::string &output) { return same_target(report, output); }))
       refuse(report, "is both the output and the report", "give the report another name", ErrorKind::usage);
   });
   check_output(comm, report, inputs, {});

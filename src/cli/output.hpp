@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace dovetail::cli {
 
@@ -17,10 +18,18 @@ namespace dovetail::cli {
 void check_output(const Communicator &comm, const std::string &path, std::span<const std::string> inputs,
                   std::span<const std::string_view> extensions);
 
-/// Collective. The same for the file of --report, which is not to be `output` either; an empty name is none
-/// and is always right.
+/// Collective. The same for every file of a mesh, and returns them (io/mesh.hpp: mesh_files). The name's
+/// extension must be that of a mesh format.
+std::vector<std::string> check_mesh_output(const Communicator &comm, const std::string &path,
+                                           std::span<const std::string> inputs);
+
+/// The files of an output and the size of them all, for people: each by its name if they are few.
+std::string files_text(std::span<const std::string> files);
+
+/// Collective. The same for the file of --report, which is to be none of `outputs` either; an empty name is
+/// none and is always right.
 void check_report(const Communicator &comm, const std::string &report, std::span<const std::string> inputs,
-                  const std::string &output);
+                  std::span<const std::string> outputs);
 
 /// Collective; only the root's text counts. `path` becomes the whole text or stays what it was. Throws an
 /// Error of kind output.

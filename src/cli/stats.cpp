@@ -169,7 +169,7 @@ Report report_of(const StatsCommand &command, const Session &session, const Dist
 
 ExitCode run_stats(const StatsCommand &command, const Session &session) {
   const Communicator &comm = session.comm;
-  check_report(comm, command.telling.report, std::vector{command.mesh}, "");
+  check_report(comm, command.telling.report, std::vector{command.mesh}, {});
   ProgressMeter meter(progress_style(comm.is_root(), command.telling), {{"read", 3}, {"measure", 2}});
   PhaseLog phases(comm);
   meter.begin("read");

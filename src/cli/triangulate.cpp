@@ -17,8 +17,6 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <array>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -35,7 +33,6 @@ struct TriangulateCommand {
   bool writes() const { return output != "none"; }
 };
 
-constexpr std::array<std::string_view, 1> output_extensions{".vtkhdf"};
 const std::vector<std::string> phase_names{"read", "sort", "split", "triangulate", "stitch", "write"};
 /// Shares of the time of ten million points on two ranks.
 const std::vector<Stage> usual_shares{{"read", 0.5},       {"sort", 2.5},   {"split", 0.3},
@@ -47,6 +44,7 @@ struct Outcome {
   DistributedMesh mesh;
   std::vector<PhaseSummary> phases;
   std::int64_t peak_rss_max_bytes = 0;
+  std::vector<std::string> files;             ///< written, the one to open last
   std::optional<ValidationReport> validation; ///< of a mesh that is not written
 };
 
@@ -68,7 +66,7 @@ Outcome run_phases(const TriangulateCommand &command, const Communicator &comm) 
   outcome.peak_rss_max_bytes = all_reduce_max(comm, peak_rss_bytes());
   if (command.writes()) {
     meter.begin("write");
-    phases.measure("write", [&] { write_mesh(comm, outcome.mesh, command.output); });
+    outcome.files = phases.measure("write", [&] { return write_mesh(comm, outcome.mesh, command.output); });
     outcome.peak_rss_max_bytes = all_reduce_max(comm, peak_rss_bytes());
   } else {
     meter.begin("check");
@@ -109,12 +107,6 @@ Report report_of(const TriangulateCommand &command, const Session &session, cons
   return report;
 }
 
-std::int64_t bytes_of(const std::string &path) {
-  std::error_code ignored;
-  const auto bytes = std::filesystem::file_size(path, ignored);
-  return ignored ? 0 : static_cast<std::int64_t>(bytes);
-}
-
 void print_input(const PointInput &input) {
   const auto files = static_cast<GlobalIndex>(input.files.size());
   print_row("read",
@@ -150,14 +142,15 @@ void print_outcome(const TriangulateCommand &command, const Session &session, co
   print_row("memory", fmt::format("{} on the largest of {}", size_text(outcome.peak_rss_max_bytes),
                                   counted(session.comm.size(), "rank", "ranks")));
   if (command.writes())
-    print_row("wrote", fmt::format("{}, {}", command.output, size_text(bytes_of(command.output))));
+    print_row("wrote", files_text(outcome.files));
 }
 
 ExitCode run_triangulate(const TriangulateCommand &command, const Session &session) {
   const Communicator &comm = session.comm;
+  std::vector<std::string> outputs;
   if (command.writes())
-    check_output(comm, command.output, command.inputs, output_extensions);
-  check_report(comm, command.telling.report, command.inputs, command.output);
+    outputs = check_mesh_output(comm, command.output, command.inputs);
+  check_report(comm, command.telling.report, command.inputs, outputs);
   const Outcome outcome = run_phases(command, comm);
   write_report(session, report_of(command, session, outcome), command.telling.report);
   if (comm.is_root() && !command.telling.quiet)
@@ -179,8 +172,8 @@ Input:  .las (1.0 to 1.4, uncompressed), .npy (N x 2, N x 3 or more columns of f
         or records with fields x and y), .f64 (x, y, x, y, ... as little-endian doubles),
         .xyz .csv .txt (x y [z ...] in every line, with or without a line of names),
         .node (Triangle's vertices)
-Output: .vtkhdf, which ParaView and h5py read as well
-
+Output, by the extension of FILE:
+{}
 Examples:
   dovetail triangulate survey.las -o survey.vtkhdf
   mpirun -n 4 dovetail triangulate survey.las -o ground.vtkhdf --class 2,9 --duplicates lowest
@@ -199,7 +192,7 @@ const std::map<std::string, DuplicateRule> duplicate_rules{{"first", DuplicateRu
 
 Subcommand add_triangulate(CLI::App &app) {
   CLI::App *parser = app.add_subcommand("triangulate", "Make the Delaunay mesh of points");
-  parser->footer(details);
+  parser->footer(fmt::format(details, mesh_outputs));
   const auto command = std::make_shared<TriangulateCommand>();
   parser->add_option("INPUT", command->inputs, "Files of points: " + known_point_extensions())
       ->required()
@@ -207,7 +200,7 @@ Subcommand add_triangulate(CLI::App &app) {
       ->option_text("FILE ... (required)");
   parser->add_option("-o,--output", command->output, "Mesh to write; none to check it and write nothing")
       ->required()
-      ->option_text("FILE.vtkhdf (required)");
+      ->option_text("FILE (required)");
   add_class_option(*parser, command->reading.classes);
   add_word_option(*parser, "--duplicates", command->slabs.duplicates, duplicate_rules,
                   "Which of equal points is kept: first in the input, lowest or highest z")

@@ -112,7 +112,7 @@ ExitCode verify(const VerifyOptions &options, const Session &session) {
   const Communicator &comm = session.comm;
   std::vector<std::string> inputs{options.points};
   inputs.push_back(options.mesh);
-  check_report(comm, options.telling.report, inputs, "");
+  check_report(comm, options.telling.report, inputs, {});
 
   ProgressMeter meter(progress_style(comm.is_root(), options.telling), {{"read", 1}, {"check", 30}});
   PhaseLog phases(comm);

@@ -325,9 +325,12 @@ std::string header_with(std::string dictionary) {
 
 } // namespace
 
+std::string npy_array_header(const std::string &type, const std::string &shape) {
+  return header_with(fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': {}, }}", type, shape));
+}
+
 std::string npy_header(GlobalIndex rows, int columns) {
-  return header_with(
-      fmt::format("{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, {}), }}", rows, columns));
+  return npy_array_header("<f8", fmt::format("({}, {})", rows, columns));
 }
 
 std::string npy_records_header(GlobalIndex rows, const std::vector<std::string> &names) {

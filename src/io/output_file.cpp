@@ -64,12 +64,13 @@ void sync_folder_of(const std::string &path) {
 struct Ledger {
   std::mutex mutex; // held while a file appears, is renamed or disappears
   std::vector<std::string> aside;
+  std::vector<std::string> named_for_now; // parts whose main file is yet to come
   std::vector<std::string> named;
 
-  void forget_aside(const std::string &path) noexcept {
-    const auto found = std::find(aside.begin(), aside.end(), path);
-    if (found != aside.end())
-      aside.erase(found);
+  static void forget(std::vector<std::string> &files, const std::string &path) noexcept {
+    const auto found = std::find(files.begin(), files.end(), path);
+    if (found != files.end())
+      files.erase(found);
   }
 };
 
@@ -119,7 +120,7 @@ OutputFile::~OutputFile() {
     return;
   const std::lock_guard lock(ledger().mutex);
   ::unlink(aside_.c_str());
-  ledger().forget_aside(aside_);
+  Ledger::forget(ledger().aside, aside_);
 }
 
 void OutputFile::open() {
@@ -153,7 +154,7 @@ void OutputFile::write_at(std::int64_t offset, std::span<const std::byte> bytes)
   }
 }
 
-void OutputFile::commit() {
+void OutputFile::sync() {
   // Each rank's own writes first: on a network file system only their writer can bring them to the server,
   // and learns of a full disk only now.
   collectively(comm_, [&] {
@@ -165,30 +166,92 @@ void OutputFile::commit() {
       fail(path_, "cannot be brought to disk", errno);
   });
   collectively(comm_, [&] {
+    if (comm_.is_root())
+      sync_file(aside_, path_); // what another library wrote
+  });
+}
+
+void OutputFile::give_name(bool for_now) {
+  collectively(comm_, [&] {
     if (!comm_.is_root())
       return;
-    sync_file(aside_, path_); // what another library wrote
     {
       Ledger &files = ledger();
       const std::lock_guard lock(files.mutex);
-      files.named.push_back(path_);
+      auto &list = for_now ? files.named_for_now : files.named;
+      list.push_back(for_now ? target_ : path_);
       if (std::rename(aside_.c_str(), target_.c_str()) != 0) {
         const int error_number = errno;
-        files.named.pop_back();
+        list.pop_back();
         fail(path_, "cannot be given its name", error_number);
       }
       created_ = false;
-      files.forget_aside(aside_);
+      Ledger::forget(files.aside, aside_);
     }
     sync_folder_of(target_);
   });
 }
 
+void OutputFile::settle() {
+  if (!comm_.is_root())
+    return;
+  const std::lock_guard lock(ledger().mutex);
+  ledger().named.push_back(path_);
+  Ledger::forget(ledger().named_for_now, target_);
+}
+
+void OutputFile::remove_older() {
+  if (comm_.is_root() && ::unlink(target_.c_str()) != 0 && errno != ENOENT)
+    fail(path_, "the older file cannot be removed", errno);
+}
+
+void OutputFile::take_back() noexcept {
+  if (!comm_.is_root() || created_)
+    return;
+  const std::lock_guard lock(ledger().mutex);
+  ::unlink(target_.c_str());
+  Ledger::forget(ledger().named_for_now, target_);
+  Ledger::forget(ledger().named, path_);
+}
+
+void OutputFile::commit() {
+  sync();
+  give_name(false);
+}
+
+void commit_together(const Communicator &comm, std::span<const std::unique_ptr<OutputFile>> parts,
+                     OutputFile &main) {
+  collectively(comm, [&] {
+    for (const auto &part : parts)
+      part->sync();
+  });
+  main.sync();
+  try {
+    collectively(comm, [&] { main.remove_older(); });
+    collectively(comm, [&] {
+      for (const auto &part : parts)
+        part->give_name(true);
+    });
+    // From here on an interrupted run leaves parts, perhaps without a main file, but never the reverse.
+    collectively(comm, [&] {
+      for (const auto &part : parts)
+        part->settle();
+    });
+    main.give_name(false);
+  } catch (...) {
+    for (const auto &part : parts)
+      part->take_back();
+    throw;
+  }
+}
+
 std::vector<std::string> abandon_outputs() {
   std::unique_lock lock(ledger().mutex);
   lock.release(); // for good
-  for (const std::string &aside : ledger().aside)
-    ::unlink(aside.c_str());
+  for (const std::string &file : ledger().aside)
+    ::unlink(file.c_str());
+  for (const std::string &file : ledger().named_for_now)
+    ::unlink(file.c_str());
   return ledger().named;
 }
 

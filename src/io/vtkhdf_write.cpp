@@ -5,10 +5,10 @@
 // Why not parallel HDF5: it opens the file through MPI, and where one rank then meets a full disk, the others
 // may wait for it for ever (measured with Open MPI 4.1.4, in MPI_File_open already). This way, what fails
 // fails on a rank that can say so. And the bytes cannot depend on the number of ranks.
-#include "dovetail/io/mesh.hpp"
-
 #include "disk_space.hpp"
 #include "hdf5.hpp"
+#include "mesh_formats.hpp"
+#include "mesh_rows.hpp"
 #include "vtkhdf.hpp"
 #include "vtkhdf_skeleton.hpp"
 
@@ -16,21 +16,17 @@
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/comm/exchange.hpp"
 #include "dovetail/comm/serialization.hpp"
-#include "dovetail/io/little_endian.hpp"
 #include "dovetail/io/output_file.hpp"
 
 #include <boost/serialization/map.hpp>
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
 #include <map>
 #include <span>
 
 namespace dovetail {
 namespace {
-
-template <class T> std::size_t at(T index) { return static_cast<std::size_t>(index); }
 
 struct SlabSizes {
   GlobalIndex vertices;
@@ -66,18 +62,6 @@ vtkhdf::Extents gather_extents(const Communicator &comm, const DistributedMesh &
   return extents;
 }
 
-/// Collective. A rank without slabs does not know the attributes, and the first rank may be one.
-std::vector<std::string> gather_attribute_names(const Communicator &comm, const DistributedMesh &mesh) {
-  std::vector<std::string> names;
-  if (!mesh.slabs.empty())
-    for (const Attribute &attribute : mesh.slabs.front().vertices.attributes)
-      names.push_back(attribute.name);
-  const int source = all_reduce_min(comm, mesh.slabs.empty() ? comm.size() : comm.rank());
-  if (source < comm.size())
-    broadcast(comm, names, source);
-  return names;
-}
-
 /// Fills in the long columns of a file. Local.
 class Columns {
 public:
@@ -89,17 +73,7 @@ public:
   template <class T, class Fill>
   void write(const std::string &name, GlobalIndex first, GlobalIndex count, int width, Fill &&fill) const {
     const auto row_bytes = static_cast<std::int64_t>(sizeof(T)) * width;
-    const std::int64_t step = std::min(count, std::max<std::int64_t>(1, buffer_bytes_ / row_bytes));
-    std::vector<T> buffer(at(step * width));
-    for (std::int64_t begin = 0; begin < count; begin += step) {
-      const std::int64_t end = std::min(count, begin + step);
-      fill(begin, end, buffer.data());
-      const auto numbers = std::span(buffer).first(at((end - begin) * width));
-      if constexpr (std::endian::native == std::endian::big)
-        for (T &number : numbers)
-          store_little(T(number), reinterpret_cast<std::byte *>(&number));
-      file_.write_at(places_.at(name) + (first + begin) * row_bytes, std::as_bytes(numbers));
-    }
+    write_rows<T>(file_, places_.at(name) + first * row_bytes, count, width, buffer_bytes_, fill);
   }
 
   template <class T>
@@ -116,35 +90,21 @@ private:
   std::int64_t buffer_bytes_;
 };
 
-const Attribute *find_z(const PointTable &table) {
-  for (const Attribute &attribute : table.attributes)
-    if (attribute.name == vtkhdf::z_attribute)
-      return &attribute;
-  return nullptr;
-}
-
 void write_vertices(const Columns &columns, const SlabMesh &slab, GlobalIndex first) {
   const PointTable &table = slab.vertices;
   const auto count = static_cast<GlobalIndex>(table.points.size());
-  const Attribute *z = find_z(table);
-  columns.write<double>(vtkhdf::points, first, count, 3, [&](auto begin, auto end, double *out) {
-    for (auto v = begin; v < end; ++v) {
-      *out++ = table.points[at(v)].x;
-      *out++ = table.points[at(v)].y;
-      *out++ = z ? z->values[at(v)] : 0.0;
-    }
-  });
+  columns.write<double>(vtkhdf::points, first, count, 3, PointRows(table));
   columns.write<std::uint8_t>(vtkhdf::ghost_type, first, count, 1,
                               [&](auto begin, auto end, std::uint8_t *out) {
                                 for (auto v = begin; v < end; ++v)
                                   *out++ = v < slab.own_count ? std::uint8_t{0} : vtkhdf::duplicate_point;
                               });
   columns.write(vtkhdf::input_index, first, table.input_index);
-  columns.write<std::int64_t>(
-      vtkhdf::global_number, first, count, 1, [&](auto begin, auto end, std::int64_t *out) {
-        for (auto v = begin; v < end; ++v)
-          *out++ = v < slab.own_count ? slab.first_site + v : slab.ghost_number[at(v - slab.own_count)];
-      });
+  columns.write<std::int64_t>(vtkhdf::global_number, first, count, 1,
+                              [&](auto begin, auto end, std::int64_t *out) {
+                                for (auto v = begin; v < end; ++v)
+                                  *out++ = global_number(slab, static_cast<LocalIndex>(v));
+                              });
   for (const Attribute &attribute : table.attributes)
     if (attribute.name != vtkhdf::z_attribute)
       columns.write(vtkhdf::dataset_of_attribute(attribute.name), first, attribute.values);
@@ -163,19 +123,12 @@ void write_triangles(const Columns &columns, const SlabMesh &slab, GlobalIndex f
   columns.write<std::uint8_t>(vtkhdf::types, first, count, 1, [](auto begin, auto end, std::uint8_t *out) {
     std::fill_n(out, end - begin, vtkhdf::triangle_cell);
   });
-  auto border = slab.border_sides.begin();
-  columns.write<std::int64_t>(
-      vtkhdf::neighbours, first, count, 3, [&](auto begin, auto end, std::int64_t *out) {
-        for (auto side = 3 * begin; side < 3 * end; ++side) {
-          const LocalIndex neighbour = local.neighbours[at(side)];
-          std::int64_t number = neighbour < 0 ? none : slab.first_triangle + neighbour;
-          while (border != slab.border_sides.end() && border->side < side)
-            ++border;
-          if (border != slab.border_sides.end() && border->side == side)
-            number = border->neighbour;
-          *out++ = number;
-        }
-      });
+  NeighbourNumbers number(slab);
+  columns.write<std::int64_t>(vtkhdf::neighbours, first, count, 3,
+                              [&](auto begin, auto end, std::int64_t *out) {
+                                for (auto side = 3 * begin; side < 3 * end; ++side)
+                                  *out++ = number(side);
+                              });
 }
 
 void write_duplicates(const Columns &columns, const std::vector<Duplicate> &duplicates, GlobalIndex first,
@@ -228,8 +181,8 @@ vtkhdf::Skeleton prepare(const OutputFile &file, const DistributedMesh &mesh, co
 
 } // namespace
 
-void write_mesh(const Communicator &comm, const DistributedMesh &mesh, const std::string &path,
-                const MeshWriting &writing) {
+std::vector<std::string> write_vtkhdf(const Communicator &comm, const DistributedMesh &mesh,
+                                      const std::string &path, const MeshWriting &writing) {
   const vtkhdf::Extents extents = gather_extents(comm, mesh);
   const std::vector<std::string> names = gather_attribute_names(comm, mesh);
   const bool has_z = std::find(names.begin(), names.end(), vtkhdf::z_attribute) != names.end();
@@ -241,6 +194,7 @@ void write_mesh(const Communicator &comm, const DistributedMesh &mesh, const std
     write_rows_of_rank(Columns(file, skeleton.column_bytes, writing.buffer_bytes), mesh, extents, has_z);
   });
   file.commit();
+  return {path};
 }
 
 } // namespace dovetail

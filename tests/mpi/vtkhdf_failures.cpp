@@ -16,6 +16,7 @@
 #include <random>
 
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 using namespace dovetail;
 using dovetail::testing::TemporaryFolder;
@@ -88,7 +89,8 @@ TEST(VtkHdfFailures, PlacesThatCannotBeWritten) {
   const DistributedMesh mesh = test_mesh(comm);
   if (comm.is_root()) {
     std::ofstream(folder.file("file")) << "x";
-    std::filesystem::create_directory(folder.file("folder"));
+    std::filesystem::create_directory(folder.file("folder.vtkhdf"));
+    EXPECT_EQ(::mkfifo(folder.file("pipe.vtkhdf").c_str(), 0600), 0);
   }
   MPI_Barrier(comm.raw());
   const auto expect = [&](const std::string &path, const std::string &word) {
@@ -97,8 +99,8 @@ TEST(VtkHdfFailures, PlacesThatCannotBeWritten) {
   };
   expect(folder.file("missing/mesh.vtkhdf"), "No such file or directory");
   expect(folder.file("file/mesh.vtkhdf"), "Not a directory");
-  expect(folder.file("folder"), "Is a directory");
-  expect("/dev/null", "is a device");
+  expect(folder.file("folder.vtkhdf"), "Is a directory");
+  expect(folder.file("pipe.vtkhdf"), "is a device");
   expect("/proc/mesh.vtkhdf", "cannot be written");
 }
 

@@ -34,14 +34,41 @@ struct MeshWriting {
   std::int64_t buffer_bytes = std::int64_t{8} << 20;
 };
 
-/// Collective. Writes aside, to `path`.partial, and renames that once it is complete: whatever happens,
-/// nothing incomplete is ever found at `path`, and after an error the partial file is gone.
-/// Every rank writes its own slabs, in bounded memory; the first one also what is small. The space is
-/// reserved before it is filled, where the file system can do that. Errors (output, resource): no such
-/// folder, no permission, not enough space, file size limit, a failing disk, attribute names that a file
-/// cannot hold.
-void write_mesh(const Communicator &comm, const DistributedMesh &mesh, const std::string &path,
-                const MeshWriting &writing = {});
+/// Collective. Writes the mesh in the format that the name's extension says (in small or capital letters):
+///   .vtkhdf  the native file above, the only one that read_mesh takes
+///   .vtu     VTK's XML file of the whole mesh: sites and triangles in global numbers; input indices and all
+///            attributes but z, which is the third coordinate
+///   .pvtu    the same for each slab, NAME.0.vtu and so on, in its own 32-bit numbers, with its ghosts, their
+///            vtkGhostType and global numbers; the .pvtu itself names the parts
+///   .ply     Polygon File Format, binary little endian: x, y, z (0 without one) and all other attributes as
+///            double, faces as list uchar int; not more than 2^31 - 1 sites or triangles
+///   .msh     Gmsh's MSH 4.1, binary: x, y, z, triangles, one partition for each slab; no other attributes
+///   .node, .ele  NAME.node, NAME.neigh and NAME.ele, the text files of Triangle, numbered from 0, doubles as
+///   the
+///            shortest decimals that read back as the same bits. The nodes are all points taken from the
+///            input, in its order: a corner in the .ele file is the number of a point in the user's own file.
+///            Merged duplicates stay, named by no triangle, with their own z and else their site's
+///            attributes. Where LAS records were skipped, nodes are numbered without gaps, as the format
+///            wants it, and not by record
+///   .npy     NumPy arrays NAME.points.npy (sites in global order: x, y and the attributes, f64),
+///            NAME.index.npy (their input indices, i64), NAME.neighbours.npy (T x 3, i64, -1 beyond the hull)
+///            and NAME.triangles.npy (T x 3, i64, global numbers of sites)
+/// Returns the files made, the one to open last; the same on all ranks.
+///
+/// Writes aside, to NAME.partial, and renames that once it is complete, all other files of an output before
+/// the one to open: whatever happens, nothing incomplete is ever found under that name, and after an error
+/// the partial files are gone. Every rank writes its own slabs, in bounded memory; the first one also what is
+/// small. The bytes are a function of the mesh and its slabs, whatever the number of ranks. The space is
+/// reserved before it is filled, where its size is known and the file system can do that. Errors (usage): an
+/// extension that is none of these. (output, resource): no such folder, no permission, not enough space, file
+/// size limit, a failing disk, attribute names or counts that the format cannot hold. (input): a mesh read
+/// from a file whose indices lead nowhere.
+std::vector<std::string> write_mesh(const Communicator &comm, const DistributedMesh &mesh,
+                                    const std::string &path, const MeshWriting &writing = {});
+
+/// Local. The files that write_mesh would make for this name, the one to open last, as far as the name alone
+/// tells. Error (usage): an unknown extension.
+std::vector<std::string> mesh_files(const std::string &path);
 
 /// Collective. On any number of ranks: rank r gets the slabs from first_slab_of_rank(r) on. Reading trusts
 /// nothing: sizes are checked against each other and the file before memory is taken for them. What is wrong

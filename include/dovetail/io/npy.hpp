@@ -20,5 +20,7 @@ std::string npy_header(GlobalIndex rows, int columns);
 
 /// The same for records of float64 fields with these names.
 std::string npy_records_header(GlobalIndex rows, const std::vector<std::string> &names);
+/// The same for any type ("<i8") and shape ("(5,)", "(5, 3)"), both in NumPy's notation.
+std::string npy_array_header(const std::string &type, const std::string &shape);
 
 } // namespace dovetail

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -45,12 +46,23 @@ public:
   /// Local: throws an Error, so call it inside `collectively`. Ranks' ranges must not overlap.
   void write_at(std::int64_t offset, std::span<const std::byte> bytes);
 
-  /// Collective. The data is on disk (fsync) before the name is.
+  /// Collective. Brings to disk (fsync) what was written, and closes the file aside: nothing may be written
+  /// afterwards. For one of many files; commit does it by itself.
+  void sync();
+
+  /// Collective. The data is on disk before the name is.
   void commit();
 
 private:
+  friend void commit_together(const Communicator &comm, std::span<const std::unique_ptr<OutputFile>> parts,
+                              OutputFile &main);
   void open();
   void close() noexcept;
+  /// Collective. `for_now`: abandon_outputs takes the name back, until settle, which is Local.
+  void give_name(bool for_now);
+  void settle();
+  void remove_older();       // Local
+  void take_back() noexcept; // Local
 
   const Communicator &comm_;
   std::string path_;   // as the user named it, for messages
@@ -62,8 +74,17 @@ private:
 
 /// Local, from any thread, while others may be using OutputFiles: for a program that must end in the middle
 /// of its work, because of a signal say, where no destructor runs. Removes what this process keeps aside, and
-/// returns the names that its outputs have been given so far. From then on no OutputFile of this process is
-/// created, committed or destroyed: whoever tries is never returned to, so let the process end.
+/// parts of outputs whose main file has no name yet, and returns the names that its outputs have been given
+/// so far. From then on no OutputFile of this process is created, committed or destroyed: whoever tries is
+/// never returned to, so let the process end.
 std::vector<std::string> abandon_outputs();
+
+/// Collective. Commits several files that are one output: all are on disk before the first gets its name, and
+/// `main`, the one that people open, gets its own last. An older main file goes before the first part comes,
+/// so that whoever finds one finds the parts that belong to it, whenever the process is killed. After an
+/// Error none of the names is there. parts: files of all ranks of `comm`, in the same order, or files that a
+/// rank writes alone (on a communicator of its own), each rank its own.
+void commit_together(const Communicator &comm, std::span<const std::unique_ptr<OutputFile>> parts,
+                     OutputFile &main);
 
 } // namespace dovetail

@@ -1,0 +1,124 @@
+// dovetail convert: a mesh or points in another format.
+#include "command.hpp"
+#include "options.hpp"
+#include "output.hpp"
+#include "report.hpp"
+#include "text.hpp"
+#include "verdict.hpp"
+
+#include "dovetail/comm/phases.hpp"
+#include "dovetail/io/mesh.hpp"
+#include "dovetail/io/points.hpp"
+#include "dovetail/mesh/checksum.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <array>
+#include <memory>
+
+namespace dovetail::cli {
+namespace {
+
+struct ConvertOptions {
+  std::string input;
+  std::string output;
+  PointReading reading;
+  Telling telling;
+};
+
+constexpr std::array<std::string_view, 2> point_extensions{".npy", ".f64"};
+const std::vector<std::string> phase_names{"read", "write"};
+
+/// What a run has to tell, the same on all ranks.
+struct Converted {
+  std::vector<std::string> files; ///< made, the one to open last
+  std::string what;               ///< was read, for people
+};
+
+Converted convert_mesh(const ConvertOptions &options, const Communicator &comm, PhaseLog &phases,
+                       ProgressMeter &meter, Report &report) {
+  const DistributedMesh mesh = phases.measure("read", [&] { return read_mesh(comm, options.input); });
+  meter.begin("write");
+  Converted result;
+  result.files = phases.measure("write", [&] { return write_mesh(comm, mesh, options.output); });
+  result.what = fmt::format("{} of {} from {}", counted(mesh.triangle_count(), "triangle", "triangles"),
+                            counted(mesh.site_count(), "site", "sites"), options.input);
+  report["slabs"] = mesh.slab_count();
+  report["axis"] = axis_name(mesh.axis);
+  report["points"] = mesh.digest.points;
+  report["sites"] = mesh.site_count();
+  report["triangles"] = mesh.triangle_count();
+  report["hull_edges"] = mesh.hull_edges;
+  report["checksum"] = checksum_text(mesh.checksum);
+  return result;
+}
+
+Converted convert_points(const ConvertOptions &options, const Communicator &comm, PhaseLog &phases,
+                         ProgressMeter &meter, Report &report) {
+  const PointInput input = phases.measure(
+      "read", [&] { return read_points(comm, std::span(&options.input, 1), options.reading); });
+  meter.begin("write");
+  phases.measure("write", [&] { write_points(comm, input.points, options.output); });
+  report["points"] = input.read;
+  report["withheld"] = input.withheld;
+  report["other_class"] = input.other_class;
+  return {{options.output}, fmt::format("{} from {}", counted(input.read, "point", "points"), options.input)};
+}
+
+ExitCode convert(const ConvertOptions &options, const Session &session) {
+  const Communicator &comm = session.comm;
+  const bool is_mesh = extension_of(options.input) == ".vtkhdf";
+  const std::array inputs{options.input};
+  std::vector<std::string> outputs{options.output};
+  if (is_mesh)
+    outputs = check_mesh_output(comm, options.output, inputs);
+  else
+    check_output(comm, options.output, inputs, point_extensions);
+  check_report(comm, options.telling.report, inputs, outputs);
+
+  ProgressMeter meter(progress_style(comm.is_root(), options.telling), {{"read", 1}, {"write", 2}});
+  PhaseLog phases(comm);
+  Report report = new_report(session, "convert", inputs);
+  report["output"] = options.output;
+  meter.begin("read");
+  const Converted converted = (is_mesh ? convert_mesh : convert_points)(options, comm, phases, meter, report);
+  meter.finish();
+
+  const std::vector<PhaseSummary> times = summarise(comm, phases);
+  report["phases"] = phases_as_json(phase_names, times);
+  write_report(session, std::move(report), options.telling.report);
+  if (comm.is_root() && !options.telling.quiet) {
+    print_row("read", converted.what);
+    print_row("time", times_text(session, times));
+    print_row("wrote", files_text(converted.files));
+  }
+  return success;
+}
+
+constexpr const char *details =
+    R"(A mesh (.vtkhdf) becomes another kind of mesh file, by the extension of OUT:
+{}
+Points become another kind of point file: .npy (x, y and z, if there is one) or .f64 (x, y).
+
+Examples:
+  dovetail convert stars.vtkhdf stars.npy
+  dovetail convert survey.las ground.npy --class 2
+)";
+
+} // namespace
+
+Subcommand add_convert(CLI::App &app) {
+  CLI::App *parser = app.add_subcommand("convert", "Write a mesh or points in another format");
+  parser->footer(fmt::format(details, mesh_outputs));
+  const auto options = std::make_shared<ConvertOptions>();
+  parser->add_option("IN", options->input, "Mesh (.vtkhdf) or points (.las, .npy, .f64)")
+      ->required()
+      ->option_text("FILE (required)");
+  parser->add_option("OUT", options->output, "File to write")->required()->option_text("FILE (required)");
+  add_class_option(*parser, options->reading.classes);
+  add_telling_options(*parser, options->telling);
+  return {parser, [options](const Session &session) { return convert(*options, session); }};
+}
+
+} // namespace dovetail::cli

@@ -1,0 +1,270 @@
+// The files of Triangle (Shewchuk, "Triangle: Engineering a 2D Quality Mesh Generator and Delaunay
+// Triangulator", 1996, and its pages on the formats): NAME.node, NAME.ele and NAME.neigh, numbered from zero.
+//
+// The .node file repeats the points of the input in their order, merged duplicates as well, so that the
+// numbers in the .ele file are the user's own. Sites are held by slab: blocks of nodes go round the ranks,
+// and for each round the points of its blocks are brought together, made into text and written. So no rank
+// ever holds more than one block of others' points, and the text, made once, need not be kept.
+#include "mesh_formats.hpp"
+#include "mesh_rows.hpp"
+#include "node_numbers.hpp"
+#include "text_output.hpp"
+
+#include "dovetail/comm/agreement.hpp"
+#include "dovetail/comm/collectives.hpp"
+#include "dovetail/comm/exchange.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <memory>
+#include <numeric>
+
+namespace dovetail {
+namespace {
+
+constexpr GlobalIndex block_nodes = GlobalIndex{1} << 17;
+
+/// This rank's points, sites and then duplicates, in the order in which their blocks are written.
+class PointsByBlock {
+public:
+  /// Throws Error (input) about `path` if a duplicate is none of a site of this rank.
+  PointsByBlock(const DistributedMesh &mesh, const NodeNumbers &numbers, const std::string &path);
+
+  /// Points of block b are those from places()[b] to places()[b + 1].
+  const std::vector<std::int64_t> &places() const { return places_; }
+  GlobalIndex number(std::int64_t place) const { return number_of(order_[at(place)]); }
+  Point point(std::int64_t place) const {
+    const Where where = find(order_[at(place)]);
+    return mesh_.slabs[where.slab].vertices.points[where.vertex];
+  }
+  /// A duplicate has a z of its own; all else is its site's.
+  double attribute(std::int64_t place, std::size_t a) const {
+    const std::int64_t id = order_[at(place)];
+    const Where where = find(id);
+    const Attribute &attribute = mesh_.slabs[where.slab].vertices.attributes[a];
+    if (id >= sites_ && attribute.name == "z")
+      return mesh_.duplicates[at(id - sites_)].z;
+    return attribute.values[where.vertex];
+  }
+
+private:
+  struct Where {
+    std::size_t slab;
+    std::size_t vertex;
+  };
+  /// Of the site itself, or of a duplicate's.
+  Where find(std::int64_t id) const {
+    const GlobalIndex site = id < sites_ ? first_sites_.front() + id : mesh_.duplicates[at(id - sites_)].site;
+    // The last slab that begins at or before the site: those without sites begin where the next one does.
+    const auto beyond = std::upper_bound(first_sites_.begin(), first_sites_.end() - 1, site);
+    const auto slab = at(beyond - first_sites_.begin()) - 1;
+    return {slab, at(site - first_sites_[slab])};
+  }
+  GlobalIndex number_of(std::int64_t id) const {
+    if (id >= sites_)
+      return numbers_.of_duplicate(at(id - sites_));
+    const Where where = find(id);
+    return numbers_.of_vertex(where.slab, static_cast<LocalIndex>(where.vertex));
+  }
+
+  const DistributedMesh &mesh_;
+  const NodeNumbers &numbers_;
+  std::int64_t sites_ = 0;
+  std::vector<GlobalIndex> first_sites_; ///< of this rank's slabs, and the end
+  std::vector<std::int64_t> order_, places_;
+};
+
+PointsByBlock::PointsByBlock(const DistributedMesh &mesh, const NodeNumbers &numbers, const std::string &path)
+    : mesh_(mesh), numbers_(numbers) {
+  for (const SlabMesh &slab : mesh.slabs)
+    first_sites_.push_back(slab.first_site);
+  if (!mesh.slabs.empty()) {
+    first_sites_.push_back(mesh.slabs.back().first_site + mesh.slabs.back().own_count);
+    sites_ = first_sites_.back() - first_sites_.front();
+  }
+  const auto points = sites_ + static_cast<std::int64_t>(mesh.duplicates.size());
+  for (const Duplicate &duplicate : mesh.duplicates)
+    if (first_sites_.empty() || duplicate.site < first_sites_.front() ||
+        duplicate.site >= first_sites_.back())
+      throw Error({ErrorKind::input, path, "",
+                   fmt::format("input index {} is a duplicate of no site of its slab", duplicate.input_index),
+                   "check the mesh with dovetail verify, and make it again"});
+  places_.assign(at(numbers.count() / block_nodes + 2), 0);
+  for (std::int64_t id = 0; id < points; ++id)
+    ++places_[at(number_of(id) / block_nodes + 1)];
+  std::partial_sum(places_.begin(), places_.end(), places_.begin());
+  std::vector<std::int64_t> next = places_;
+  order_.resize(at(points));
+  for (std::int64_t id = 0; id < points; ++id)
+    order_[at(next[at(number_of(id) / block_nodes)]++)] = id;
+}
+
+/// One rank's block of one round, in the order of nodes.
+struct Block {
+  std::vector<Point> points;
+  std::vector<std::vector<double>> attributes;
+};
+
+/// Brings the points of a round to the ranks that write their blocks: block `first_block` + r to rank r.
+class Round {
+public:
+  /// Collective.
+  Round(const Communicator &comm, const PointsByBlock &points, std::int64_t first_block)
+      : comm_(comm), points_(points), send_counts_(at(comm.size()), 0) {
+    const auto end = static_cast<std::int64_t>(points.places().size()) - 1;
+    first_place_ = points.places()[at(std::min(end, first_block))];
+    for (int r = 0; r < comm.size(); ++r)
+      send_counts_[at(r)] = points.places()[at(std::min(end, first_block + r + 1))] -
+                            points.places()[at(std::min(end, first_block + r))];
+    receive_counts_ = exchange_counts(comm, send_counts_);
+  }
+  GlobalIndex received() const {
+    return std::accumulate(receive_counts_.begin(), receive_counts_.end(), GlobalIndex{0});
+  }
+  /// Collective: value_of(place) of every point, as they come.
+  template <class T, class ValueOf> std::vector<T> bring(ValueOf &&value_of) const {
+    std::vector<T> sent(at(std::accumulate(send_counts_.begin(), send_counts_.end(), std::int64_t{0})));
+    for (std::size_t i = 0; i < sent.size(); ++i)
+      sent[i] = value_of(first_place_ + static_cast<std::int64_t>(i));
+    std::vector<T> arrived(at(received()));
+    exchange_into<T>(comm_, sent, send_counts_, arrived, receive_counts_);
+    return arrived;
+  }
+
+private:
+  const Communicator &comm_;
+  const PointsByBlock &points_;
+  std::vector<std::int64_t> send_counts_, receive_counts_;
+  std::int64_t first_place_ = 0;
+};
+
+/// Local. Where each of the points that came belongs, counted from `first`; every node of the block comes
+/// once.
+std::vector<std::size_t> places_in_block(const std::vector<GlobalIndex> &numbers, GlobalIndex first,
+                                         GlobalIndex count, const std::string &path) {
+  std::vector<std::size_t> places;
+  std::vector<bool> seen(at(count), false);
+  for (const GlobalIndex number : numbers) {
+    const auto place = at(number - first);
+    if (place >= seen.size() || seen[place])
+      throw Error({ErrorKind::input, path, "", fmt::format("two points have the input index {}", number),
+                   "check the mesh with dovetail verify, and make it again"});
+    seen[place] = true;
+    places.push_back(place);
+  }
+  return places;
+}
+
+/// Collective. Brings and orders this rank's block.
+Block make_block(const Communicator &comm, const PointsByBlock &points, std::int64_t first_block,
+                 GlobalIndex nodes, std::size_t attributes, const std::string &path) {
+  const Round round(comm, points, first_block);
+  const GlobalIndex first = std::min(nodes, (first_block + comm.rank()) * block_nodes);
+  const GlobalIndex count = std::min(nodes - first, block_nodes);
+  const auto numbers = round.bring<GlobalIndex>([&](auto place) { return points.number(place); });
+  const auto places = collectively(comm, [&] { return places_in_block(numbers, first, count, path); });
+  const auto in_order = [&]<class T>(const std::vector<T> &arrived) {
+    std::vector<T> ordered(at(count));
+    for (std::size_t i = 0; i < places.size(); ++i)
+      ordered[places[i]] = arrived[i];
+    return ordered;
+  };
+  Block block;
+  block.points = in_order(round.bring<Point>([&](auto place) { return points.point(place); }));
+  for (std::size_t a = 0; a < attributes; ++a)
+    block.attributes.push_back(
+        in_order(round.bring<double>([&](auto place) { return points.attribute(place, a); })));
+  return block;
+}
+
+/// Local.
+TextBuffer text_of(const Block &block, GlobalIndex first) {
+  TextBuffer text;
+  for (std::size_t i = 0; i < block.points.size(); ++i) {
+    text.add(first + static_cast<GlobalIndex>(i));
+    text.add(' ');
+    text.add(block.points[i].x);
+    text.add(' ');
+    text.add(block.points[i].y);
+    for (const std::vector<double> &values : block.attributes) {
+      text.add(' ');
+      text.add(values[i]);
+    }
+    text.end_line();
+  }
+  return text;
+}
+
+/// Collective.
+void write_nodes(const Communicator &comm, const DistributedMesh &mesh, const NodeNumbers &numbers,
+                 std::size_t attributes, OutputFile &file) {
+  const std::string head = fmt::format("{} 2 {} 0\n", numbers.count(), attributes);
+  collectively(comm, [&] { write_text_at(comm, file, 0, head); });
+  auto end = static_cast<std::int64_t>(head.size());
+  const PointsByBlock points = collectively(comm, [&] { return PointsByBlock(mesh, numbers, file.path()); });
+  for (std::int64_t block = 0; block * block_nodes < numbers.count(); block += comm.size()) {
+    const Block own = make_block(comm, points, block, numbers.count(), attributes, file.path());
+    const TextBuffer text =
+        collectively(comm, [&] { return text_of(own, (block + comm.rank()) * block_nodes); });
+    const std::int64_t offset = end + exclusive_scan(comm, text.bytes());
+    collectively(comm, [&] { text.write(file, offset); });
+    end += all_reduce_sum(comm, text.bytes());
+  }
+}
+
+/// Collective. Lines "triangle a b c" of all triangles, a, b, c being value(slab of this rank, side).
+template <class MakeValue>
+void write_triples(const Communicator &comm, const DistributedMesh &mesh, OutputFile &file,
+                   const std::string &head, std::int64_t buffer_bytes, MakeValue &&make_value) {
+  collectively(comm, [&] { write_text_at(comm, file, 0, head); });
+  write_lines(comm, file, static_cast<std::int64_t>(head.size()), buffer_bytes, [&](auto &sink) {
+    for (std::size_t k = 0; k < mesh.slabs.size(); ++k) {
+      const SlabMesh &slab = mesh.slabs[k];
+      auto value = make_value(k);
+      const GlobalIndex triangles = slab.triangles.triangle_count();
+      for (GlobalIndex t = 0; t < triangles; ++t) {
+        sink.add(slab.first_triangle + t);
+        for (GlobalIndex side = 3 * t; side < 3 * t + 3; ++side) {
+          sink.add(' ');
+          sink.add(value(side));
+        }
+        sink.end_line();
+      }
+    }
+  });
+}
+
+} // namespace
+
+std::vector<std::string> triangle_files(const std::string &path) {
+  const std::string base = without_extension(path);
+  std::vector<std::string> files;
+  for (const char *extension : {".node", ".neigh", ".ele"})
+    files.push_back(base + extension);
+  return files;
+}
+
+std::vector<std::string> write_triangle_files(const Communicator &comm, const DistributedMesh &mesh,
+                                              const std::string &path, const MeshWriting &writing) {
+  const std::vector<std::string> names = triangle_files(path);
+  const std::size_t attributes = gather_attribute_names(comm, mesh).size();
+  std::vector<std::unique_ptr<OutputFile>> parts;
+  for (const std::string &name : {names[0], names[1]})
+    parts.push_back(std::make_unique<OutputFile>(comm, name));
+  OutputFile elements(comm, names[2]);
+  const NodeNumbers numbers(comm, mesh, path);
+  write_nodes(comm, mesh, numbers, attributes, *parts[0]);
+  write_triples(comm, mesh, *parts[1], fmt::format("{} 3\n", mesh.triangle_count()), writing.buffer_bytes,
+                [&](std::size_t k) { return NeighbourNumbers(mesh.slabs[k]); });
+  write_triples(comm, mesh, elements, fmt::format("{} 3 0\n", mesh.triangle_count()), writing.buffer_bytes,
+                [&](std::size_t k) {
+                  return [&, k](GlobalIndex side) {
+                    return numbers.of_vertex(k, mesh.slabs[k].triangles.corners[at(side)]);
+                  };
+                });
+  commit_together(comm, parts, elements);
+  return names;
+}
+
+} // namespace dovetail
