@@ -55,7 +55,7 @@ ExitCode run_render(const RenderCommand &command, const Session &session) {
   const Communicator &comm = session.comm;
   const std::vector inputs{command.mesh};
   check_output(comm, command.output, inputs, picture_extensions);
-  check_report(comm, command.telling.report, inputs, command.output);
+  check_report(comm, command.telling.report, inputs, std::span(&command.output, 1));
   ProgressMeter meter(progress_style(comm.is_root(), command.telling), {{"read", 2}, {"draw", 3}});
   PhaseLog phases(comm);
   meter.begin("read");

@@ -23,14 +23,20 @@
 namespace dovetail {
 namespace {
 
-constexpr GlobalIndex block_nodes = GlobalIndex{1} << 17;
+constexpr std::int64_t usual_line_bytes = 64;
 
 /// This rank's points, sites and then duplicates, in the order in which their blocks are written.
 class PointsByBlock {
 public:
   /// Throws Error (input) about `path` if a duplicate is none of a site of this rank.
-  PointsByBlock(const DistributedMesh &mesh, const NodeNumbers &numbers, const std::string &path);
+  PointsByBlock(const DistributedMesh &mesh, const NodeNumbers &numbers, GlobalIndex block_nodes,
+                const std::string &path);
 
+  GlobalIndex node_count() const { return numbers_.count(); }
+  /// The first node of a block, or the end.
+  GlobalIndex first_of_block(std::int64_t block) const {
+    return std::min(node_count(), block * block_nodes_);
+  }
   /// Points of block b are those from places()[b] to places()[b + 1].
   const std::vector<std::int64_t> &places() const { return places_; }
   GlobalIndex number(std::int64_t place) const { return number_of(order_[at(place)]); }
@@ -70,13 +76,15 @@ private:
 
   const DistributedMesh &mesh_;
   const NodeNumbers &numbers_;
+  const GlobalIndex block_nodes_;
   std::int64_t sites_ = 0;
   std::vector<GlobalIndex> first_sites_; ///< of this rank's slabs, and the end
   std::vector<std::int64_t> order_, places_;
 };
 
-PointsByBlock::PointsByBlock(const DistributedMesh &mesh, const NodeNumbers &numbers, const std::string &path)
-    : mesh_(mesh), numbers_(numbers) {
+PointsByBlock::PointsByBlock(const DistributedMesh &mesh, const NodeNumbers &numbers, GlobalIndex block_nodes,
+                             const std::string &path)
+    : mesh_(mesh), numbers_(numbers), block_nodes_(block_nodes) {
   for (const SlabMesh &slab : mesh.slabs)
     first_sites_.push_back(slab.first_site);
   if (!mesh.slabs.empty()) {
@@ -158,10 +166,10 @@ std::vector<std::size_t> places_in_block(const std::vector<GlobalIndex> &numbers
 
 /// Collective. Brings and orders this rank's block.
 Block make_block(const Communicator &comm, const PointsByBlock &points, std::int64_t first_block,
-                 GlobalIndex nodes, std::size_t attributes, const std::string &path) {
+                 std::size_t attributes, const std::string &path) {
   const Round round(comm, points, first_block);
-  const GlobalIndex first = std::min(nodes, (first_block + comm.rank()) * block_nodes);
-  const GlobalIndex count = std::min(nodes - first, block_nodes);
+  const GlobalIndex first = points.first_of_block(first_block + comm.rank());
+  const GlobalIndex count = points.first_of_block(first_block + comm.rank() + 1) - first;
   const auto numbers = round.bring<GlobalIndex>([&](auto place) { return points.number(place); });
   const auto places = collectively(comm, [&] { return places_in_block(numbers, first, count, path); });
   const auto in_order = [&]<class T>(const std::vector<T> &arrived) {
@@ -198,15 +206,18 @@ TextBuffer text_of(const Block &block, GlobalIndex first) {
 
 /// Collective.
 void write_nodes(const Communicator &comm, const DistributedMesh &mesh, const NodeNumbers &numbers,
-                 std::size_t attributes, OutputFile &file) {
+                 std::size_t attributes, std::int64_t buffer_bytes, OutputFile &file) {
   const std::string head = fmt::format("{} 2 {} 0\n", numbers.count(), attributes);
-  collectively(comm, [&] { write_text_at(comm, file, 0, head); });
+  const GlobalIndex block_nodes = std::max<GlobalIndex>(1, buffer_bytes / usual_line_bytes);
+  const PointsByBlock points = collectively(comm, [&] {
+    write_text_at(comm, file, 0, head);
+    return PointsByBlock(mesh, numbers, block_nodes, file.path());
+  });
   auto end = static_cast<std::int64_t>(head.size());
-  const PointsByBlock points = collectively(comm, [&] { return PointsByBlock(mesh, numbers, file.path()); });
-  for (std::int64_t block = 0; block * block_nodes < numbers.count(); block += comm.size()) {
-    const Block own = make_block(comm, points, block, numbers.count(), attributes, file.path());
-    const TextBuffer text =
-        collectively(comm, [&] { return text_of(own, (block + comm.rank()) * block_nodes); });
+  for (std::int64_t block = 0; points.first_of_block(block) < points.node_count(); block += comm.size()) {
+    const Block own = make_block(comm, points, block, attributes, file.path());
+    const GlobalIndex first = points.first_of_block(block + comm.rank());
+    const TextBuffer text = collectively(comm, [&] { return text_of(own, first); });
     const std::int64_t offset = end + exclusive_scan(comm, text.bytes());
     collectively(comm, [&] { text.write(file, offset); });
     end += all_reduce_sum(comm, text.bytes());
@@ -254,7 +265,7 @@ std::vector<std::string> write_triangle_files(const Communicator &comm, const Di
     parts.push_back(std::make_unique<OutputFile>(comm, name));
   OutputFile elements(comm, names[2]);
   const NodeNumbers numbers(comm, mesh, path);
-  write_nodes(comm, mesh, numbers, attributes, *parts[0]);
+  write_nodes(comm, mesh, numbers, attributes, writing.buffer_bytes, *parts[0]);
   write_triples(comm, mesh, *parts[1], fmt::format("{} 3\n", mesh.triangle_count()), writing.buffer_bytes,
                 [&](std::size_t k) { return NeighbourNumbers(mesh.slabs[k]); });
   write_triples(comm, mesh, elements, fmt::format("{} 3 0\n", mesh.triangle_count()), writing.buffer_bytes,

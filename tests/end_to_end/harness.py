@@ -11,6 +11,7 @@ import pathlib
 import re
 import resource
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -93,6 +94,17 @@ def write_f64(path, points):
     if sys.byteorder == "big":
         values.byteswap()
     path.write_bytes(values.tobytes())
+
+
+def write_las(path, n=500, side=25):
+    """LAS 1.2, point format 0: ground and water (classes 2 and 9) in turns on a grid of whole metres."""
+    header = struct.pack("<4sHHIHH8sBB32s32sHHHIIBHI5I12d", b"LASF", 0, 0, 0, 0, 0, bytes(8), 1, 2, bytes(32), bytes(32),
+                         1, 2026, 227, 227, 0, 0, 20, n, n, 0, 0, 0, 0, 0.01, 0.01, 0.01, 0, 0, 0,
+                         side - 1, 0, n // side - 1, 0, 8, 0)
+    assert len(header) == 227
+    records = (struct.pack("<3iHBBbBH", 100 * (i % side), 100 * (i // side), 100 * (i % 9), 0, 0, 2 if i % 2 else 9, 0, 0, 0)
+               for i in range(n))
+    path.write_bytes(header + b"".join(records))
 
 
 class TestCase(unittest.TestCase):

@@ -2,13 +2,12 @@
 
 import re
 import shlex
-import struct
 import unittest
 
 import harness
-from harness import dovetail
+from harness import dovetail, write_las
 
-SUBCOMMANDS = ("triangulate", "generate", "verify", "info", "stats", "render")
+SUBCOMMANDS = ("triangulate", "generate", "verify", "info", "convert", "stats", "render")
 
 
 def examples(*command):
@@ -18,18 +17,6 @@ def examples(*command):
     lines = [line.strip() for line in text.out.splitlines() if re.match(r"  (mpirun .*)?dovetail ", line)]
     assert lines, text
     return [shlex.split(line) for line in lines]
-
-
-def write_las(path, n=500):
-    """LAS 1.2, point format 0: ground and water (classes 2 and 9) in turns on a grid of whole metres."""
-    side = 25
-    header = struct.pack("<4sHHIHH8sBB32s32sHHHIIBHI5I12d", b"LASF", 0, 0, 0, 0, 0, bytes(8), 1, 2, bytes(32), bytes(32),
-                         1, 2026, 227, 227, 0, 0, 20, n, n, 0, 0, 0, 0, 0.01, 0.01, 0.01, 0, 0, 0,
-                         side - 1, 0, n // side - 1, 0, 8, 0)
-    assert len(header) == 227
-    records = (struct.pack("<3iHBBbBH", 100 * (i % side), 100 * (i // side), 100 * (i % 9), 0, 0, 2 if i % 2 else 9, 0, 0, 0)
-               for i in range(n))
-    path.write_bytes(header + b"".join(records))
 
 
 class Help(harness.TestCase):
@@ -59,7 +46,8 @@ class Help(harness.TestCase):
 
     def test_examples(self):
         # In the order in which one makes what the next reads.
-        for command in ((), ("generate",), ("triangulate",), ("verify",), ("info",), ("stats",), ("render",)):
+        for command in ((), ("generate",), ("triangulate",), ("verify",), ("info",), ("convert",), ("stats",),
+                        ("render",)):
             for words in examples(*command):
                 with self.subTest(example=" ".join(words)):
                     self.run_example(words)
