@@ -34,8 +34,8 @@ struct Telling {
 };
 void add_telling_options(CLI::App &parser, Telling &telling);
 
-/// For CLI11's check(): what is wrong with the name of an input that is empty, say from an unset variable of a
-/// shell, or that means standard input.
+/// For CLI11's check(): what is wrong with the name of an input that is empty, say from an unset variable of
+/// a shell, or that means standard input.
 std::string fault_of_name(const std::string &name);
 
 /// Adds `--class 2,9`.
