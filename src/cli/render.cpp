@@ -114,7 +114,7 @@ Subcommand add_render(CLI::App &app) {
       ->required()
       ->option_text("FILE.png|.svg (required)");
   add_word_option(*parser, "--by", command->options.colouring, colourings,
-                  "What colours mean: the owning slab, smallest angle, area, or z with shaded relief")
+                  "What colours mean: slab, smallest angle, area, or z with shaded relief")
       ->option_text("slab|angle|area|elevation [slab]");
   parser->add_flag("--paths", command->options.paths, "Draw the split paths between slabs");
   parser->add_flag("--hull", command->options.hull, "Draw the convex hull");
