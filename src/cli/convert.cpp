@@ -27,7 +27,6 @@ struct ConvertOptions {
   Telling telling;
 };
 
-constexpr std::array<std::string_view, 2> point_extensions{".npy", ".f64"};
 const std::vector<std::string> phase_names{"read", "write"};
 
 /// What a run has to tell, the same on all ranks.
@@ -74,7 +73,7 @@ ExitCode convert(const ConvertOptions &options, const Session &session) {
   if (is_mesh)
     outputs = check_mesh_output(comm, options.output, inputs);
   else
-    check_output(comm, options.output, inputs, point_extensions);
+    check_points_output(comm, options.output, inputs);
   check_report(comm, options.telling.report, inputs, outputs);
 
   ProgressMeter meter(progress_style(comm.is_root(), options.telling), {{"read", 1}, {"write", 2}});
@@ -99,20 +98,23 @@ ExitCode convert(const ConvertOptions &options, const Session &session) {
 constexpr const char *details =
     R"(A mesh (.vtkhdf) becomes another kind of mesh file, by the extension of OUT:
 {}
-Points become another kind of point file: .npy (x, y and z, if there is one) or .f64 (x, y).
+Points become another kind of point file, by its extension: {}.
 
 Examples:
   dovetail convert stars.vtkhdf stars.npy
-  dovetail convert survey.las ground.npy --class 2
+  mpirun -n 2 dovetail convert stars.vtkhdf stars.ele
+  dovetail convert survey.las ground.csv --class 2
 )";
 
 } // namespace
 
 Subcommand add_convert(CLI::App &app) {
   CLI::App *parser = app.add_subcommand("convert", "Write a mesh or points in another format");
-  parser->footer(fmt::format(details, mesh_outputs));
+  parser->footer(fmt::format(details, mesh_outputs, known_point_extensions(true)));
   const auto options = std::make_shared<ConvertOptions>();
-  parser->add_option("IN", options->input, "Mesh (.vtkhdf) or points (.las, .npy, .f64)")
+  parser
+      ->add_option("IN", options->input,
+                   fmt::format("Mesh (.vtkhdf) or points ({})", known_point_extensions()))
       ->required()
       ->option_text("FILE (required)");
   parser->add_option("OUT", options->output, "File to write")->required()->option_text("FILE (required)");

@@ -40,14 +40,6 @@ std::string distribution_names() {
   return joined(names, ", ");
 }
 
-std::vector<std::string_view> output_extensions() {
-  std::vector<std::string_view> names;
-  for (const PointExtension &each : point_extensions())
-    if (each.written)
-      names.push_back(each.extension);
-  return names;
-}
-
 /// Rank r has the points from floor(n r / ranks) on.
 PointTable generate_share(const SyntheticSet &set, int rank, int ranks, const Progress &progress) {
   const GlobalIndex whole = set.n / ranks;
@@ -77,7 +69,7 @@ PointTable generate_share(const SyntheticSet &set, int rank, int ranks, const Pr
 
 ExitCode generate(const GenerateOptions &options, const Session &session) {
   const Communicator &comm = session.comm;
-  check_output(comm, options.output, {}, output_extensions());
+  check_points_output(comm, options.output, {});
   check_report(comm, options.telling.report, {}, std::span(&options.output, 1));
 
   ProgressMeter meter(progress_style(comm.is_root(), options.telling), {{"generate", 1}, {"write", 2}});

@@ -5,6 +5,7 @@
 #include "dovetail/comm/agreement.hpp"
 #include "dovetail/io/mesh.hpp"
 #include "dovetail/io/output_file.hpp"
+#include "dovetail/io/points.hpp"
 
 #include <fmt/format.h>
 
@@ -80,6 +81,15 @@ void check_output(const Communicator &comm, const std::string &path, std::span<c
     if (comm.is_root())
       check_here(path, inputs, extensions);
   });
+}
+
+void check_points_output(const Communicator &comm, const std::string &path,
+                         std::span<const std::string> inputs) {
+  std::vector<std::string_view> extensions;
+  for (const PointExtension &each : point_extensions())
+    if (each.written)
+      extensions.push_back(each.extension);
+  check_output(comm, path, inputs, extensions);
 }
 
 std::vector<std::string> check_mesh_output(const Communicator &comm, const std::string &path,

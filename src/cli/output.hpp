@@ -18,6 +18,10 @@ namespace dovetail::cli {
 void check_output(const Communicator &comm, const std::string &path, std::span<const std::string> inputs,
                   std::span<const std::string_view> extensions);
 
+/// Collective. The same for points, whose name's extension must be one that write_points knows.
+void check_points_output(const Communicator &comm, const std::string &path,
+                         std::span<const std::string> inputs);
+
 /// Collective. The same for every file of a mesh, and returns them (io/mesh.hpp: mesh_files). The name's
 /// extension must be that of a mesh format.
 std::vector<std::string> check_mesh_output(const Communicator &comm, const std::string &path,

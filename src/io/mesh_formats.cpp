@@ -2,14 +2,13 @@
 #include "mesh_formats.hpp"
 
 #include "mesh_rows.hpp"
+#include "points_share.hpp"
 
 #include "dovetail/comm/agreement.hpp"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <cctype>
 #include <filesystem>
 
 namespace dovetail {
@@ -32,13 +31,6 @@ constexpr std::array formats{
     Format{".ele", write_triangle_files, triangle_files},
     Format{".npy", write_npy_arrays, npy_array_files},
 };
-
-std::string extension_of(const std::string &path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
 
 const Format &format_of(const std::string &path) {
   const std::string extension = extension_of(path);

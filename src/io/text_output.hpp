@@ -1,5 +1,5 @@
-/// Lines of numbers, written by many ranks into one file whose places are known only once the text is made.
-/// Doubles are the shortest decimals that read back as the same bits. Private to io.
+/// Lines of whole numbers, written by many ranks into one file, where places are known only once the lengths
+/// of all lines before are. Private to io.
 #pragma once
 
 #include "dovetail/comm/agreement.hpp"
@@ -54,8 +54,11 @@ public:
     make_room();
     text_[used_++] = c;
   }
-  void add(std::int64_t number) { add_number(number); }
-  void add(double number) { add_number(number); }
+  void add(std::int64_t number) {
+    make_room();
+    char *const begin = text_.data() + used_;
+    used_ += static_cast<std::size_t>(std::to_chars(begin, begin + longest_number, number).ptr - begin);
+  }
   void end_line() { add('\n'); }
 
   std::int64_t bytes() const { return static_cast<std::int64_t>(used_); }
@@ -65,16 +68,11 @@ public:
   void clear() { used_ = 0; }
 
 private:
-  static constexpr std::size_t longest_number = 32; // "-2.2250738585072014e-308" has 24 characters
+  static constexpr std::size_t longest_number = 20;
 
   void make_room() {
     if (text_.size() - used_ < longest_number)
       text_.resize(2 * text_.size() + 4096);
-  }
-  template <class Number> void add_number(Number number) {
-    make_room();
-    char *const begin = text_.data() + used_;
-    used_ += static_cast<std::size_t>(std::to_chars(begin, begin + longest_number, number).ptr - begin);
   }
 
   std::vector<char> text_;

@@ -8,6 +8,7 @@
 #include "mesh_formats.hpp"
 #include "mesh_rows.hpp"
 #include "node_numbers.hpp"
+#include "points_write_text.hpp"
 #include "text_output.hpp"
 
 #include "dovetail/comm/agreement.hpp"
@@ -16,7 +17,7 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 #include <memory>
 #include <numeric>
 
@@ -108,12 +109,6 @@ PointsByBlock::PointsByBlock(const DistributedMesh &mesh, const NodeNumbers &num
     order_[at(next[at(number_of(id) / block_nodes)]++)] = id;
 }
 
-/// One rank's block of one round, in the order of nodes.
-struct Block {
-  std::vector<Point> points;
-  std::vector<std::vector<double>> attributes;
-};
-
 /// Brings the points of a round to the ranks that write their blocks: block `first_block` + r to rank r.
 class Round {
 public:
@@ -164,9 +159,9 @@ std::vector<std::size_t> places_in_block(const std::vector<GlobalIndex> &numbers
   return places;
 }
 
-/// Collective. Brings and orders this rank's block.
-Block make_block(const Communicator &comm, const PointsByBlock &points, std::int64_t first_block,
-                 std::size_t attributes, const std::string &path) {
+/// Collective. This rank's block of a round, in the order of nodes.
+PointTable make_block(const Communicator &comm, const PointsByBlock &points, std::int64_t first_block,
+                      const std::vector<std::string> &names, const std::string &path) {
   const Round round(comm, points, first_block);
   const GlobalIndex first = points.first_of_block(first_block + comm.rank());
   const GlobalIndex count = points.first_of_block(first_block + comm.rank() + 1) - first;
@@ -178,36 +173,34 @@ Block make_block(const Communicator &comm, const PointsByBlock &points, std::int
       ordered[places[i]] = arrived[i];
     return ordered;
   };
-  Block block;
+  PointTable block;
   block.points = in_order(round.bring<Point>([&](auto place) { return points.point(place); }));
-  for (std::size_t a = 0; a < attributes; ++a)
+  for (std::size_t a = 0; a < names.size(); ++a)
     block.attributes.push_back(
-        in_order(round.bring<double>([&](auto place) { return points.attribute(place, a); })));
+        {names[a], in_order(round.bring<double>([&](auto place) { return points.attribute(place, a); }))});
   return block;
 }
 
-/// Local.
-TextBuffer text_of(const Block &block, GlobalIndex first) {
-  TextBuffer text;
-  for (std::size_t i = 0; i < block.points.size(); ++i) {
-    text.add(first + static_cast<GlobalIndex>(i));
-    text.add(' ');
-    text.add(block.points[i].x);
-    text.add(' ');
-    text.add(block.points[i].y);
-    for (const std::vector<double> &values : block.attributes) {
-      text.add(' ');
-      text.add(values[i]);
-    }
-    text.end_line();
-  }
-  return text;
+/// Collective. Which attribute is the boundary marker, as in write_points; past the end if none is.
+std::size_t find_marker(const Communicator &comm, const DistributedMesh &mesh,
+                        const std::vector<std::string> &names) {
+  const auto found = at(std::find(names.begin(), names.end(), "marker") - names.begin());
+  if (found == names.size())
+    return found;
+  const bool whole = std::all_of(mesh.slabs.begin(), mesh.slabs.end(), [&](const SlabMesh &slab) {
+    return are_whole(slab.vertices.attributes[found].values);
+  });
+  return all_of_ranks(comm, whole) ? found : names.size();
 }
 
 /// Collective.
 void write_nodes(const Communicator &comm, const DistributedMesh &mesh, const NodeNumbers &numbers,
-                 std::size_t attributes, std::int64_t buffer_bytes, OutputFile &file) {
-  const std::string head = fmt::format("{} 2 {} 0\n", numbers.count(), attributes);
+                 std::int64_t buffer_bytes, OutputFile &file) {
+  const std::vector<std::string> names = gather_attribute_names(comm, mesh);
+  const std::size_t marker = find_marker(comm, mesh, names);
+  const bool has_marker = marker < names.size();
+  const std::string head =
+      fmt::format("{} 2 {} {}\n", numbers.count(), names.size() - (has_marker ? 1 : 0), has_marker ? 1 : 0);
   const GlobalIndex block_nodes = std::max<GlobalIndex>(1, buffer_bytes / usual_line_bytes);
   const PointsByBlock points = collectively(comm, [&] {
     write_text_at(comm, file, 0, head);
@@ -215,12 +208,21 @@ void write_nodes(const Communicator &comm, const DistributedMesh &mesh, const No
   });
   auto end = static_cast<std::int64_t>(head.size());
   for (std::int64_t block = 0; points.first_of_block(block) < points.node_count(); block += comm.size()) {
-    const Block own = make_block(comm, points, block, attributes, file.path());
-    const GlobalIndex first = points.first_of_block(block + comm.rank());
-    const TextBuffer text = collectively(comm, [&] { return text_of(own, first); });
-    const std::int64_t offset = end + exclusive_scan(comm, text.bytes());
-    collectively(comm, [&] { text.write(file, offset); });
-    end += all_reduce_sum(comm, text.bytes());
+    const PointTable own = make_block(comm, points, block, names, file.path());
+    TextStyle style;
+    style.numbered = true;
+    style.first_number = points.first_of_block(block + comm.rank());
+    for (std::size_t a = 0; a < names.size(); ++a)
+      if (a != marker)
+        style.attributes.push_back(&own.attributes[a].values);
+    if (has_marker)
+      style.marker = &own.attributes[marker].values;
+    std::string text;
+    collectively(comm, [&] { append_lines(own, 0, own.points.size(), style, text); });
+    const auto bytes = static_cast<std::int64_t>(text.size());
+    const std::int64_t offset = end + exclusive_scan(comm, bytes);
+    collectively(comm, [&] { file.write_at(offset, std::as_bytes(std::span(text))); });
+    end += all_reduce_sum(comm, bytes);
   }
 }
 
@@ -259,13 +261,12 @@ std::vector<std::string> triangle_files(const std::string &path) {
 std::vector<std::string> write_triangle_files(const Communicator &comm, const DistributedMesh &mesh,
                                               const std::string &path, const MeshWriting &writing) {
   const std::vector<std::string> names = triangle_files(path);
-  const std::size_t attributes = gather_attribute_names(comm, mesh).size();
   std::vector<std::unique_ptr<OutputFile>> parts;
   for (const std::string &name : {names[0], names[1]})
     parts.push_back(std::make_unique<OutputFile>(comm, name));
   OutputFile elements(comm, names[2]);
   const NodeNumbers numbers(comm, mesh, path);
-  write_nodes(comm, mesh, numbers, attributes, writing.buffer_bytes, *parts[0]);
+  write_nodes(comm, mesh, numbers, writing.buffer_bytes, *parts[0]);
   write_triples(comm, mesh, *parts[1], fmt::format("{} 3\n", mesh.triangle_count()), writing.buffer_bytes,
                 [&](std::size_t k) { return NeighbourNumbers(mesh.slabs[k]); });
   write_triples(comm, mesh, elements, fmt::format("{} 3 0\n", mesh.triangle_count()), writing.buffer_bytes,

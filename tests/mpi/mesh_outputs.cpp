@@ -62,6 +62,26 @@ TEST(MeshOutputs, BuffersAndRanksDoNotShow) {
   }
 }
 
+// Triangle's own column for it, if it can hold the numbers.
+TEST(MeshOutputs, BoundaryMarkers) {
+  const Communicator comm = world();
+  const TemporaryFolder folder(comm);
+  for (const double marker : {7.0, 7.5}) {
+    DistributedMesh mesh = test_mesh(comm, false);
+    for (SlabMesh &slab : mesh.slabs)
+      for (Attribute &attribute : slab.vertices.attributes)
+        if (attribute.name != "z") {
+          attribute.name = "marker";
+          attribute.values.assign(attribute.values.size(), marker);
+        }
+    write_mesh(comm, mesh, folder.file("m.node"));
+    const std::string text = content_of(folder.file("m.node"));
+    EXPECT_EQ(text.substr(0, text.find('\n')), marker == 7 ? "60 2 1 1" : "60 2 2 0");
+    EXPECT_TRUE(text.ends_with(marker == 7 ? " 7\n" : " 7.5\n")) << text;
+    MPI_Barrier(comm.raw());
+  }
+}
+
 TEST(MeshOutputs, ExtensionsThatAreNone) {
   const Communicator comm = world();
   const DistributedMesh mesh = test_mesh(comm, false);

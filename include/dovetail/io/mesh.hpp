@@ -43,13 +43,13 @@ struct MeshWriting {
 ///   .ply     Polygon File Format, binary little endian: x, y, z (0 without one) and all other attributes as
 ///            double, faces as list uchar int; not more than 2^31 - 1 sites or triangles
 ///   .msh     Gmsh's MSH 4.1, binary: x, y, z, triangles, one partition for each slab; no other attributes
-///   .node, .ele  NAME.node, NAME.neigh and NAME.ele, the text files of Triangle, numbered from 0, doubles as
-///   the
-///            shortest decimals that read back as the same bits. The nodes are all points taken from the
-///            input, in its order: a corner in the .ele file is the number of a point in the user's own file.
-///            Merged duplicates stay, named by no triangle, with their own z and else their site's
-///            attributes. Where LAS records were skipped, nodes are numbered without gaps, as the format
-///            wants it, and not by record
+///   .node, .ele  Triangle's text files NAME.node, NAME.neigh and NAME.ele, numbered from 0. Nodes are all
+///            points taken from the input, in its order: a corner in the .ele file is the number of a point
+///            in the user's own file. Merged duplicates stay, named by no triangle, with their own z and else
+///            their site's attributes. Where LAS records were skipped, nodes are numbered without gaps, as
+///            the format wants it, and not by record. Attributes follow the coordinates, and "marker", if it
+///            is whole numbers, is the boundary marker; doubles are the shortest decimals that read back the
+///            same
 ///   .npy     NumPy arrays NAME.points.npy (sites in global order: x, y and the attributes, f64),
 ///            NAME.index.npy (their input indices, i64), NAME.neighbours.npy (T x 3, i64, -1 beyond the hull)
 ///            and NAME.triangles.npy (T x 3, i64, global numbers of sites)
