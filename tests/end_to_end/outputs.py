@@ -1,6 +1,8 @@
 """Every format of mesh files, read back by programs that are not ours: readers written here from the formats'
 specifications, over numpy alone. What the mesh is, h5py tells from the native file."""
 
+import shutil
+import subprocess
 import unittest
 import xml.etree.ElementTree
 
@@ -298,7 +300,7 @@ class Outputs(harness.TestCase):
             import meshio
         except ImportError:
             self.skipTest("meshio is not installed")
-        for extension in (".ply", ".vtu", ".msh"):
+        for extension in (".ply", ".vtu"):  # of .msh it knows no partitions, not even those that Gmsh makes
             for name, mesh, output in self.each(extension):
                 if len(mesh.triangles) == 0:
                     continue  # meshio knows no mesh without triangles
@@ -307,6 +309,29 @@ class Outputs(harness.TestCase):
                 self.assertEqual({block.type for block in read.cells}, {"triangle"})
                 cells = np.concatenate([block.data for block in read.cells])
                 self.assertTrue(np.array_equal(cells, mesh.triangles), extension)
+
+    @unittest.skipUnless(FULL, "other people's readers are tried under DOVETAIL_FULL=1")
+    def test_gmsh(self):
+        gmsh = shutil.which("gmsh")
+        if gmsh is None:
+            self.skipTest("gmsh is not installed")
+        for name, mesh, output in self.each(".msh"):
+            if name not in ("wide", "lattice"):
+                continue
+            text = output.with_suffix(".msh2")
+            command = [gmsh, output, "-save", "-o", text, "-format", "msh2"]
+            run = subprocess.run(command, capture_output=True, text=True, timeout=60)
+            self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
+            self.assertNotIn("Error", run.stdout + run.stderr)
+            lines = text.read_text().splitlines()
+            nodes = lines[lines.index("$Nodes") + 2 : lines.index("$EndNodes")]
+            read = np.array([[float(word) for word in line.split()[1:]] for line in nodes])
+            np.testing.assert_allclose(read, mesh.points, rtol=1e-15)  # Gmsh writes 16 digits
+            elements = lines[lines.index("$Elements") + 2 : lines.index("$EndElements")]
+            elements = np.array([[int(word) for word in line.split()] for line in elements])
+            self.assertTrue(np.array_equal(elements[:, -3:] - 1, mesh.triangles))
+            slab = np.repeat(np.arange(4), [t.stop - t.start for t in mesh.slab_triangles])
+            self.assertTrue(np.array_equal(elements[:, -4], slab + 1))  # the partition
 
     @unittest.skipUnless(FULL, "other people's readers are tried under DOVETAIL_FULL=1")
     def test_vtk(self):
