@@ -3,14 +3,46 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 
 namespace dovetail {
 namespace {
 
 constexpr std::size_t longest_number = 32; // 24 for a double, 20 for an integer
 
-char *put(double value, char *at) { return std::to_chars(at, at + longest_number, value).ptr; }
 char *put(GlobalIndex value, char *at) { return std::to_chars(at, at + longest_number, value).ptr; }
+
+// Measured coordinates mostly have a few decimals: m / 10^8 with m < 10^15, so that at most one such m rounds
+// to the number, and the division, which is rounded correctly, says whether it does. Null if none does.
+char *put_few_decimals(double value, char *at) {
+  constexpr double scale = 1e8, limit = 1e7;
+  constexpr std::uint64_t unit = 100'000'000;
+  constexpr int decimals = 8;
+  const double size = std::abs(value);
+  if (!(size < limit) || (value == 0 && std::signbit(value)))
+    return nullptr;
+  const auto scaled = static_cast<std::uint64_t>(size * scale + 0.5);
+  if (static_cast<double>(scaled) / scale != size)
+    return nullptr;
+  if (value < 0)
+    *at++ = '-';
+  at = put(static_cast<GlobalIndex>(scaled / unit), at);
+  std::uint64_t fraction = scaled % unit;
+  if (fraction == 0)
+    return at;
+  *at = '.';
+  for (int digit = decimals; digit > 0; --digit, fraction /= 10)
+    at[digit] = static_cast<char>('0' + fraction % 10);
+  at += decimals;
+  while (*at == '0')
+    --at;
+  return at + 1;
+}
+
+char *put(double value, char *at) {
+  char *const end = put_few_decimals(value, at);
+  return end != nullptr ? end : std::to_chars(at, at + longest_number, value).ptr;
+}
 
 } // namespace
 

@@ -60,14 +60,19 @@ class Text(harness.TestCase):
                 self.assertEqual(bits(y), bits(float(pairs[index][1])), pairs[index][1])
 
     def test_written_as_python_reads(self):
-        for extension, separator in (("xyz", None), ("csv", ","), ("node", None)):
+        for distribution, extension, separator in (
+            ("lidar", "xyz", None), ("lidar", "csv", ","), ("uniform", "node", None), ("normal", "txt", None),
+        ):
             whole = set()
             for ranks in (0, 3):
                 raw, text = self.folder / "some.npy", self.folder / f"some.{extension}"
-                self.succeed("generate", "lidar", "-n", "2000", "--seed", "5", "-o", raw)
-                self.succeed("generate", "lidar", "-n", "2000", "--seed", "5", "-o", text, ranks=ranks)
+                self.succeed("generate", distribution, "-n", "2000", "--seed", "5", "-o", raw)
+                self.succeed("generate", distribution, "-n", "2000", "--seed", "5", "-o", text, ranks=ranks)
                 whole.add(text.read_bytes())
-                lines = text.read_text().splitlines()[0 if extension == "xyz" else 1 :]
+                lines = text.read_text().splitlines()[0 if extension in ("xyz", "txt") else 1 :]
+                fields = [field for line in lines for field in line.split(separator)]
+                # The fewest digits, as repr has them.
+                self.assertTrue(all(decimal.Decimal(f) == decimal.Decimal(repr(float(f))) for f in fields))
                 read = [[float(field) for field in line.split(separator)] for line in lines]
                 read = numpy.array(read)[:, 1 if extension == "node" else 0 :]
                 self.assertEqual(read.tobytes(), numpy.load(raw).tobytes())

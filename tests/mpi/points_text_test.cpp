@@ -151,8 +151,9 @@ std::vector<std::vector<double>> random_rows(std::size_t count, std::size_t widt
     for (double &value : row)
       do {
         const std::uint64_t raw = random();
-        value = raw % 3 == 0   ? std::bit_cast<double>(raw)
-                : raw % 3 == 1 ? static_cast<double>(raw % 1000)
+        value = raw % 4 == 0   ? std::bit_cast<double>(raw)
+                : raw % 4 == 1 ? static_cast<double>(raw % 1000)
+                : raw % 4 == 2 ? static_cast<double>(raw % 2'000'000'000'000) / (raw % 8 < 4 ? -1e3 : 1e8)
                                : std::ldexp(static_cast<double>(raw >> 11), -40);
       } while (!std::isfinite(value));
   return rows;

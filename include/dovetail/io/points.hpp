@@ -154,7 +154,7 @@ struct PointWriting {
 ///   .csv   commas, below a line of names
 ///   .xyz .txt  blanks, no names: attributes come back as z, column 4, ...
 ///   .node  from vertex 0 on; an attribute "marker" of whole numbers becomes the boundary marker
-/// Text has the shortest decimals that read back to the same numbers.
+/// Text has the fewest digits that read back to the same numbers.
 /// Errors (usage): another extension, attributes that the format cannot hold. (output): as OutputFile.
 void write_points(const Communicator &comm, const PointTable &points, const std::string &path,
                   const PointWriting &writing = {});
