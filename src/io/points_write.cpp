@@ -80,6 +80,9 @@ public:
       keeping = keeping && bytes <= writing_.kept_bytes;
       if (!keeping)
         return;
+      if (kept_.empty())
+        kept_.reserve(static_cast<std::size_t>(std::min(
+            writing_.kept_bytes, bytes * static_cast<std::int64_t>(table_.points.size() / end + 1))));
       kept_ += block;
       kept_lines_ = end;
     });
@@ -125,9 +128,8 @@ private:
 void write_lines(const Communicator &comm, OutputFile &file, const PointTable &table, const TextStyle &style,
                  std::int64_t header_bytes, const PointWriting &writing) {
   Lines lines(table, style, writing);
-  // Nothing follows the lines of the last rank.
-  const bool last = comm.rank() + 1 == comm.size();
-  const std::int64_t own = collectively(comm, [&] { return last ? 0 : lines.measure(); });
+  // One rank has nobody to tell. Several all measure, also the last: it would only begin later.
+  const std::int64_t own = collectively(comm, [&] { return comm.size() == 1 ? 0 : lines.measure(); });
   const std::int64_t offset = header_bytes + exclusive_scan(comm, own);
   collectively(comm, [&] { lines.write(file, offset); });
 }

@@ -48,28 +48,34 @@ char *put(double value, char *at) {
 
 void append_lines(const PointTable &table, std::size_t first, std::size_t count, const TextStyle &style,
                   std::string &text) {
-  const std::size_t before = text.size();
+  // Room for the longest lines is made for a few at a time, so that it stays in the cache.
+  constexpr std::size_t at_once = 128;
   const std::size_t longest_line = (style.attributes.size() + 4) * (longest_number + 1) + 1;
-  text.resize(before + count * longest_line);
-  char *p = text.data() + before;
+  char *p = nullptr;
   const auto add = [&](auto value) {
     *p++ = style.separator;
     p = put(value, p);
   };
-  for (std::size_t i = first; i < first + count; ++i) {
-    if (style.numbered) {
-      p = put(style.first_number + static_cast<GlobalIndex>(i), p);
-      *p++ = style.separator;
+  for (const std::size_t end = first + count; first < end;) {
+    const std::size_t before = text.size(), stop = std::min(end, first + at_once);
+    text.resize(before + (stop - first) * longest_line);
+    p = text.data() + before;
+    for (std::size_t i = first; i < stop; ++i) {
+      if (style.numbered) {
+        p = put(style.first_number + static_cast<GlobalIndex>(i), p);
+        *p++ = style.separator;
+      }
+      p = put(table.points[i].x, p);
+      add(table.points[i].y);
+      for (const std::vector<double> *attribute : style.attributes)
+        add((*attribute)[i]);
+      if (style.marker != nullptr)
+        add(static_cast<GlobalIndex>((*style.marker)[i]));
+      *p++ = '\n';
     }
-    p = put(table.points[i].x, p);
-    add(table.points[i].y);
-    for (const std::vector<double> *attribute : style.attributes)
-      add((*attribute)[i]);
-    if (style.marker != nullptr)
-      add(static_cast<GlobalIndex>((*style.marker)[i]));
-    *p++ = '\n';
+    text.resize(static_cast<std::size_t>(p - text.data()));
+    first = stop;
   }
-  text.resize(static_cast<std::size_t>(p - text.data()));
 }
 
 bool are_whole(const std::vector<double> &values) {
