@@ -2,10 +2,12 @@
 // same exit code; rank 0 alone prints.
 #include "command.hpp"
 #include "interrupt.hpp"
+#include "memory_reserve.hpp"
 #include "text.hpp"
 #include "version.hpp"
 
 #include "dovetail/base/error.hpp"
+#include "dovetail/comm/agreement.hpp"
 #include "dovetail/comm/collectives.hpp"
 
 #include <CLI/CLI.hpp>
@@ -18,6 +20,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <new>
 #include <sstream>
 #include <system_error>
 
@@ -154,6 +157,7 @@ int main(int argc, char **argv) {
   // Writes to a full disk or a closed pipe shall fail with an error that can be told, not kill the process.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
+  cli::keep_memory_reserve();
   // A thread of its own shows progress; only this one calls MPI.
   const boost::mpi::environment environment(argc, argv, boost::mpi::threading::funneled);
   try {
@@ -164,7 +168,10 @@ int main(int argc, char **argv) {
     return cli::flush_output(session, cli::run_and_report(argc, argv, session));
   } catch (const std::exception &bug) {
     // Not agreed on, so the other ranks may be waiting for this one.
-    fmt::print(stderr, "dovetail: unexpected: {}\n", bug.what());
+    if (dynamic_cast<const std::bad_alloc *>(&bug) != nullptr)
+      fmt::print(stderr, "dovetail: {}\n", Error(current_problem()).what());
+    else
+      fmt::print(stderr, "dovetail: unexpected: {}\n", bug.what());
     boost::mpi::environment::abort(cli::failure);
   }
 }

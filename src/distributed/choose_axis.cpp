@@ -1,5 +1,6 @@
 #include "choose_axis.hpp"
 
+#include "dovetail/comm/agreement.hpp"
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/comm/exchange.hpp"
 #include "dovetail/geometry/distributions.hpp"
@@ -14,11 +15,9 @@ namespace {
 
 constexpr GlobalIndex sample_size = 1 << 14;
 
-/// This rank's part of the sample.
-std::vector<Point> sample(const Communicator &comm, std::span<const Point> points) {
+/// This rank's part of the sample: its points are those from `first` on of `total`.
+std::vector<Point> sample(std::span<const Point> points, GlobalIndex first, GlobalIndex total) {
   const GlobalIndex count = std::ssize(points);
-  const GlobalIndex first = exclusive_scan(comm, count);
-  const GlobalIndex total = all_reduce_sum(comm, count);
   const GlobalIndex block = std::max<GlobalIndex>(1, (total + sample_size - 1) / sample_size);
   std::vector<Point> chosen;
   for (GlobalIndex b = first / block; b * block < first + count; ++b) {
@@ -52,11 +51,16 @@ std::size_t path_sites(std::vector<Point> sites, Axis axis) {
 } // namespace
 
 Axis choose_axis(const Communicator &comm, std::span<const Point> points) {
-  const std::vector<Point> own = sample(comm, points);
+  const GlobalIndex count = std::ssize(points);
+  const GlobalIndex first = exclusive_scan(comm, count);
+  const GlobalIndex total = all_reduce_sum(comm, count);
+  const auto purpose = [] { return "a sample of the points"; };
+  const std::vector<Point> own = collectively(comm, purpose, [&] { return sample(points, first, total); });
   const std::vector<Point> all = gather_bulk<Point>(comm, own).data;
-  int choose_y = 0;
-  if (comm.is_root() && !all.empty())
-    choose_y = 2 * path_sites(all, Axis::y) <= path_sites(all, Axis::x) ? 1 : 0;
+  int choose_y = collectively(comm, purpose, [&] {
+    const bool chooses = comm.is_root() && !all.empty();
+    return chooses && 2 * path_sites(all, Axis::y) <= path_sites(all, Axis::x) ? 1 : 0;
+  });
   broadcast(comm, choose_y);
   return choose_y != 0 ? Axis::y : Axis::x;
 }

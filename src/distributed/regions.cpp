@@ -4,18 +4,12 @@
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/comm/serialization.hpp"
 #include "dovetail/distributed/regions_scan.hpp"
+#include "path_travel.hpp"
 
 #include <algorithm>
 #include <cstdlib>
 #include <iterator>
 #include <utility>
-
-namespace boost::serialization {
-template <class Archive> void serialize(Archive &archive, dovetail::PathSite &site, unsigned) {
-  archive &site.point &site.number;
-}
-} // namespace boost::serialization
-DOVETAIL_PLAIN_STRUCT(dovetail::PathSite)
 
 namespace dovetail {
 namespace {
@@ -39,11 +33,9 @@ struct Border {
 struct SplitHeader {
   int border_rank = 0;
   double line = 0;
-  Path approximate; ///< of the two ranks next to the line
+  Path approximate; ///< of the two ranks next to the line; travels behind the rest
 
-  template <class Archive> void serialize(Archive &archive, unsigned) {
-    archive &border_rank &line &approximate;
-  }
+  template <class Archive> void serialize(Archive &archive, unsigned) { archive &border_rank &line; }
 };
 
 /// One rank of a group while it splits: what it has to give, and what it keeps of the effort.
@@ -52,20 +44,14 @@ struct Member {
   Path left_hull;  ///< of all own sites at the leftmost own line
   Path right_hull; ///< at the rightmost
   GlobalIndex candidate_sites = 0;
-  std::optional<Problem> problem;
 
-  /// Runs local work. If it fails, the rank goes on with nothing to give, since others wait for it, and the
-  /// problem is kept for later.
-  template <class Work> Path attempt(Work &&work) {
-    try {
-      return std::forward<Work>(work)();
-    } catch (...) {
-      if (!problem)
-        problem = current_problem();
-      return {};
-    }
+  void note_candidates(const Path &chains) {
+    candidate_sites = std::max(candidate_sites, static_cast<GlobalIndex>(chains.size()));
   }
 };
+
+/// What a rank lacks memory for, if it does.
+std::string candidates_text() { return "the candidates for a split path"; }
 
 /// The rank border nearest to the median of the group's sites; among equals the one nearest to the middle
 /// rank. Every rank finds the same.
@@ -82,36 +68,22 @@ Border median_border(const Group &group, const std::vector<GlobalIndex> &site_of
   return {best, group.first_slab[index(best)]};
 }
 
-/// All chains in one, upwards along the line.
-Path concatenate(const std::vector<Path> &chains) {
-  Path result;
-  for (const Path &chain : chains)
-    result.insert(result.end(), chain.begin(), chain.end());
-  return result;
-}
-
-void note_candidates(Member &member, const std::vector<Path> &chains) {
-  GlobalIndex sites = 0;
-  for (const Path &chain : chains)
-    sites += static_cast<GlobalIndex>(chain.size());
-  member.candidate_sites = std::max(member.candidate_sites, sites);
-}
-
 /// Collective over the group. The ranks on both sides of the line send their hulls there, the root makes of
 /// them a path that is already nearly right, and the group learns it.
 SplitHeader approximate_split(const Group &group, Border border, Member &member) {
   const double position = member.slabs.lines[index(border.slab - 1)];
-  const SplitLine line{position, member.slabs.axis};
   const int rank = group.ranks.rank();
-  const std::vector<Path> hulls = gather(group.ranks, rank == border.rank - 1 ? member.right_hull
-                                                      : rank == border.rank   ? member.left_hull
-                                                                              : Path{});
+  const Path none_asked;
+  const Path chains = gather_chains(group.ranks, rank == border.rank - 1 ? member.right_hull
+                                                 : rank == border.rank   ? member.left_hull
+                                                                         : none_asked);
+  member.note_candidates(chains);
   SplitHeader header{border.rank, position, {}};
-  if (group.ranks.is_root()) {
-    note_candidates(member, hulls);
-    header.approximate = member.attempt([&] { return split_path(concatenate(hulls), line); });
-  }
+  header.approximate = collectively(group.ranks, candidates_text, [&] {
+    return group.ranks.is_root() ? split_path(chains, {position, member.slabs.axis}) : Path();
+  });
   broadcast(group.ranks, header);
+  broadcast_path(group.ranks, header.approximate);
   return header;
 }
 
@@ -125,7 +97,7 @@ Path exact_path(const Group &group, const SplitHeader &header, Member &member) {
   const GlobalIndex begin = offsets[index(group.first_slab.front())];
   const GlobalIndex end = offsets[index(group.first_slab.back())];
 
-  Path candidates = member.attempt([&] {
+  const Path candidates = collectively(group.ranks, candidates_text, [&] {
     const PathFilter filter(header.approximate, line);
     Path admitted;
     const auto add = [&](const Path &chain, auto &&wanted) {
@@ -143,16 +115,15 @@ Path exact_path(const Group &group, const SplitHeader &header, Member &member) {
     }
     return admitted;
   });
-  std::vector<Path> chains = gather(group.ranks, candidates);
-  Path path;
-  if (group.ranks.is_root()) {
-    path = member.attempt([&] {
-      chains.push_back(header.approximate);
-      note_candidates(member, chains);
-      return split_path(concatenate(chains), line);
-    });
-  }
-  broadcast(group.ranks, path);
+  Path chains = gather_chains(group.ranks, candidates);
+  Path path = collectively(group.ranks, candidates_text, [&]() -> Path {
+    if (!group.ranks.is_root())
+      return {};
+    chains.insert(chains.end(), header.approximate.begin(), header.approximate.end());
+    member.note_candidates(chains);
+    return split_path(chains, line);
+  });
+  broadcast_path(group.ranks, path);
   return path;
 }
 
@@ -196,7 +167,8 @@ Region split_into_regions(const Communicator &comm, Slabs &&slabs) {
     SlabHulls slabs;
     Path left, right; ///< of all own slabs together
   };
-  const Hulls hulls = collectively(comm, [&] {
+  const auto purpose = [] { return "the paths of its slabs"; };
+  Hulls hulls = collectively(comm, purpose, [&] {
     Hulls result{slab_hulls(region.slabs), {}, {}};
     if (region.slabs.own_slab_count > 0) {
       result.right = forward_scan(region.slabs, result.slabs, {}).back();
@@ -208,15 +180,15 @@ Region split_into_regions(const Communicator &comm, Slabs &&slabs) {
   if (region.slabs.own_slab_count == 0)
     return region;
 
-  Member member{region.slabs, hulls.left, hulls.right, 0, std::nullopt};
-  group = split_down_to_one(std::move(group), member);
+  Member member{region.slabs, std::move(hulls.left), std::move(hulls.right), 0};
   try {
+    // What goes wrong here, the group has agreed on, and leaves together.
+    group = split_down_to_one(std::move(group), member);
     region.paths = scan_paths(region.slabs, hulls.slabs, group.left, group.right);
   } catch (...) {
-    member.problem = current_problem();
+    region.problem = current_problem(comm, purpose);
   }
   region.candidate_sites = member.candidate_sites;
-  region.problem = std::move(member.problem);
   return region;
 }
 

@@ -7,6 +7,8 @@
 #include "merge_runs.hpp"
 #include "sort_points.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <memory>
@@ -92,7 +94,8 @@ void redistribute(const Communicator &comm, PointTable &table, Axis axis,
     return;
 
   const auto size = static_cast<std::size_t>(received);
-  const auto buffer = collectively(comm, [&] {
+  const auto purpose = [&] { return fmt::format("{} points that belong to its slabs", size); };
+  const auto buffer = collectively(comm, purpose, [&] {
     if (size > table.points.size()) {
       reserve_huge(table.points, size);
       reserve_huge(table.input_index, size);
@@ -114,7 +117,8 @@ void redistribute(const Communicator &comm, PointTable &table, Axis axis,
     merge_column<Value>(rounds, arrived, column);
   };
   const std::span<Point> points = send_column(table.points);
-  rounds = collectively(comm, [&] { return merge_points(points, receive_counts, axis, table.points); });
+  rounds =
+      collectively(comm, purpose, [&] { return merge_points(points, receive_counts, axis, table.points); });
   send_and_merge(table.input_index);
   for (Attribute &attribute : table.attributes)
     send_and_merge(attribute.values);

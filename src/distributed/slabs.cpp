@@ -48,12 +48,18 @@ struct Division {
   std::vector<GlobalIndex> rank_begins; ///< and the end
 };
 
-Division division_of(GlobalIndex sites, const SlabOptions &options, int ranks) {
+/// Collective.
+Division division_of(const Communicator &comm, GlobalIndex sites, const SlabOptions &options) {
+  const int ranks = comm.size();
   const int slabs = options.slabs > 0 ? options.slabs : default_slab_count(sites, ranks);
-  Division division{slab_offsets(sites, slabs), {}};
-  for (int rank = 0; rank <= ranks; ++rank)
-    division.rank_begins.push_back(division.slab_begins[index(first_slab_of_rank(slabs, rank, ranks))]);
-  return division;
+  return collectively(
+      comm, [&] { return fmt::format("the table of {} slabs", slabs); },
+      [&] {
+        Division division{slab_offsets(sites, slabs), {}};
+        for (int rank = 0; rank <= ranks; ++rank)
+          division.rank_begins.push_back(division.slab_begins[index(first_slab_of_rank(slabs, rank, ranks))]);
+        return division;
+      });
 }
 
 InputDigest digest_of(const Communicator &comm, const PointTable &table) {
@@ -111,7 +117,7 @@ std::vector<std::int64_t> differences(std::span<const std::int64_t> offsets) {
 /// points to one rank in any case.
 void bring_together(const Communicator &comm, PointTable &table, Axis axis, const SlabOptions &options) {
   const auto total = all_reduce_sum(comm, static_cast<GlobalIndex>(table.points.size()));
-  const Division division = division_of(total, options, comm.size());
+  const Division division = division_of(comm, total, options);
   redistribute(comm, table, axis, differences(cut_positions(comm, table.points, axis, division.rank_begins)));
 }
 
@@ -129,15 +135,22 @@ void shift(const Communicator &comm, PointTable &table, Axis axis,
 /// The lines of all borders. Every line is the `across` of one site, whose rank knows it.
 std::vector<double> lines_of(const Communicator &comm, const Slabs &slabs) {
   if (slabs.site_count() == 0)
-    return std::vector<double>(index(slabs.slab_count() - 1), 0.0);
+    return collectively(
+        comm, [] { return "the lines between slabs"; },
+        [&] { return std::vector<double>(index(slabs.slab_count() - 1), 0.0); });
   const GlobalIndex begin = slabs.first_site();
   const GlobalIndex end = begin + std::ssize(slabs.sites.points);
-  std::vector<double> own;
-  for (int s = 1; s < slabs.slab_count(); ++s) {
-    const GlobalIndex site = std::max<GlobalIndex>(slabs.site_offsets[index(s)], 1) - 1;
-    if (site >= begin && site < end)
-      own.push_back(across(slabs.sites.points[index(site - begin)], slabs.axis));
-  }
+  const auto own = collectively(
+      comm, [] { return "the lines between slabs"; },
+      [&] {
+        std::vector<double> lines;
+        for (int s = 1; s < slabs.slab_count(); ++s) {
+          const GlobalIndex site = std::max<GlobalIndex>(slabs.site_offsets[index(s)], 1) - 1;
+          if (site >= begin && site < end)
+            lines.push_back(across(slabs.sites.points[index(site - begin)], slabs.axis));
+        }
+        return lines;
+      });
   return all_gather_bulk<double>(comm, own).data;
 }
 
@@ -164,7 +177,8 @@ std::vector<Duplicate> duplicates_of(const Communicator &comm, const Slabs &slab
     begin = end;
   }
   const Exchanged<MergedPoint> arrived = exchange<MergedPoint>(comm, merged, send_counts);
-  return collectively(comm, [&] {
+  const auto purpose = [&] { return fmt::format("{} duplicates", arrived.data.size()); };
+  return collectively(comm, purpose, [&] {
     std::vector<Duplicate> duplicates;
     duplicates.reserve(arrived.data.size());
     const std::vector<Point> &sites = slabs.sites.points;
@@ -226,18 +240,19 @@ Slabs sort_into_slabs(const Communicator &comm, PointTable &&points, const SlabO
 
   std::vector<MergedPoint> merged;
   const auto merge_equals = [&] { merge_equal_points(sites, options.duplicates, merged); };
-  collectively(comm, [&] {
+  const auto purpose = [&] { return fmt::format("sorting {} points", sites.points.size()); };
+  collectively(comm, purpose, [&] {
     sort_points(sites, slabs.axis, options.progress);
     merge_equals();
   });
   if (comm.size() > 1) {
     bring_together(comm, sites, slabs.axis, options);
-    collectively(comm, merge_equals);
+    collectively(comm, purpose, merge_equals);
   }
 
   const auto site_count = all_reduce_sum(comm, static_cast<GlobalIndex>(sites.points.size()));
-  const Division division = division_of(site_count, options, comm.size());
-  slabs.site_offsets = division.slab_begins;
+  Division division = division_of(comm, site_count, options);
+  slabs.site_offsets = std::move(division.slab_begins);
   check_sizes(slabs, options.subject);
   shift(comm, sites, slabs.axis, division.rank_begins);
   slabs.first_slab = first_slab_of_rank(slabs.slab_count(), comm.rank(), comm.size());

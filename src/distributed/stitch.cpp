@@ -1,12 +1,16 @@
 #include "dovetail/distributed/stitch.hpp"
 
+#include "dovetail/comm/agreement.hpp"
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/comm/exchange.hpp"
 #include "dovetail/geometry/predicates.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
-#include <stdexcept>
+#include <numeric>
+#include <string>
 #include <utility>
 
 namespace dovetail {
@@ -29,13 +33,21 @@ Owners owners(const Communicator &comm, const DistributedMesh &mesh) {
 }
 
 void number_triangles(const Communicator &comm, DistributedMesh &mesh) {
-  std::vector<GlobalIndex> counts;
-  counts.reserve(mesh.slabs.size());
-  for (const SlabMesh &slab : mesh.slabs)
-    counts.push_back(slab.triangles.triangle_count());
-  mesh.triangle_offsets.assign(1, 0);
-  for (const GlobalIndex count : all_gather_bulk<GlobalIndex>(comm, counts).data)
-    mesh.triangle_offsets.push_back(mesh.triangle_offsets.back() + count);
+  const auto counts = collectively(
+      comm, [&] { return fmt::format("the table of {} slabs", mesh.slab_count()); },
+      [&] {
+        std::vector<GlobalIndex> own;
+        for (const SlabMesh &slab : mesh.slabs)
+          own.push_back(slab.triangles.triangle_count());
+        return own;
+      });
+  const std::vector<GlobalIndex> of_slabs = all_gather_bulk<GlobalIndex>(comm, counts).data;
+  collectively(
+      comm, [&] { return fmt::format("the table of {} slabs", of_slabs.size()); },
+      [&] {
+        mesh.triangle_offsets.assign(of_slabs.size() + 1, 0);
+        std::partial_sum(of_slabs.begin(), of_slabs.end(), mesh.triangle_offsets.begin() + 1);
+      });
   for (std::size_t k = 0; k < mesh.slabs.size(); ++k)
     mesh.slabs[k].first_triangle = mesh.triangle_offsets[static_cast<std::size_t>(mesh.first_slab) + k];
 }
@@ -73,11 +85,18 @@ MeshStatistics statistics_of(const Communicator &comm, const UnstitchedMesh &uns
   return result;
 }
 
+Error fault_of_mesh(std::string what) {
+  return Error({ErrorKind::fault, "the stitched mesh", "", std::move(what),
+                "this is a fault of dovetail: please report it with the points"});
+}
+
 /// A wrong count is a bug of ours: it must never become a file. All ranks see the same numbers.
 void check_euler(const DistributedMesh &mesh) {
   const GlobalIndex triangles = mesh.triangle_count();
-  if (triangles > 0 && triangles != 2 * mesh.site_count() - 2 - mesh.hull_edges)
-    throw std::logic_error("the stitched mesh violates Euler's relation");
+  const GlobalIndex expected = 2 * mesh.site_count() - 2 - mesh.hull_edges;
+  if (triangles > 0 && triangles != expected)
+    throw fault_of_mesh(fmt::format("has {} triangles where {} sites and {} hull edges call for {}",
+                                    triangles, mesh.site_count(), mesh.hull_edges, expected));
 }
 
 /// Whether all sites of all ranks lie on one line. Collective.
@@ -105,7 +124,7 @@ bool sites_are_collinear(const Communicator &comm, const DistributedMesh &mesh) 
 /// Of no triangles Euler's relation says nothing; there are none only if the sites lie on one line.
 void check_that_none_are_missing(const Communicator &comm, const DistributedMesh &mesh) {
   if (mesh.triangle_count() == 0 && mesh.site_count() > 2 && !sites_are_collinear(comm, mesh))
-    throw std::logic_error("the stitched mesh has no triangles, and its sites do not lie on one line");
+    throw fault_of_mesh("has no triangles, and its sites do not lie on one line");
 }
 
 } // namespace

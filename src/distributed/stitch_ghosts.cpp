@@ -1,3 +1,4 @@
+#include "dovetail/comm/agreement.hpp"
 #include "dovetail/comm/exchange.hpp"
 #include "dovetail/distributed/stitch.hpp"
 
@@ -58,23 +59,13 @@ void append_record(PointTable &table, const Word *record) {
     attribute.values.push_back(std::bit_cast<double>(*record++));
 }
 
-} // namespace
-
-void complete_ghosts(const Communicator &comm, const Owners &owners, DistributedMesh &mesh) {
-  const std::vector<GlobalIndex> numbers = ghosts_of(mesh);
-  const auto asked = sparse_exchange<GlobalIndex>(comm, address(owners, numbers));
-
-  std::vector<std::vector<Word>> replies;
-  replies.reserve(asked.size());
-  for (const Incoming<GlobalIndex> &letter : asked)
-    replies.push_back(records_of(mesh, letter.data));
-  std::vector<Outgoing<Word>> letters;
-  for (std::size_t l = 0; l < asked.size(); ++l)
-    letters.push_back({asked[l].rank, replies[l]});
-  std::vector<Word> records; // in the order of `numbers`, since answers come by ascending rank
-  for (const Incoming<Word> &letter : sparse_exchange<Word>(comm, letters))
+/// Completes the ghosts with records that come in the order of `numbers`, since answers come by ascending
+/// rank.
+void take_records(const std::vector<GlobalIndex> &numbers, const std::vector<Incoming<Word>> &answered,
+                  DistributedMesh &mesh) {
+  std::vector<Word> records;
+  for (const Incoming<Word> &letter : answered)
     records.insert(records.end(), letter.data.begin(), letter.data.end());
-
   for (SlabMesh &slab : mesh.slabs) {
     const std::size_t width = 1 + slab.vertices.attributes.size();
     for (const GlobalIndex ghost : slab.ghost_number) {
@@ -82,6 +73,28 @@ void complete_ghosts(const Communicator &comm, const Owners &owners, Distributed
       append_record(slab.vertices, &records[static_cast<std::size_t>(position) * width]);
     }
   }
+}
+
+} // namespace
+
+void complete_ghosts(const Communicator &comm, const Owners &owners, DistributedMesh &mesh) {
+  const auto purpose = [] { return "the ghosts of its slabs"; };
+  std::vector<GlobalIndex> numbers;
+  const auto questions = collectively(comm, purpose, [&] {
+    numbers = ghosts_of(mesh);
+    return address(owners, numbers);
+  });
+  const auto asked = sparse_exchange<GlobalIndex>(comm, questions);
+  std::vector<std::vector<Word>> replies;
+  const auto letters = collectively(comm, purpose, [&] {
+    replies.reserve(asked.size());
+    std::vector<Outgoing<Word>> back;
+    for (const Incoming<GlobalIndex> &letter : asked)
+      back.push_back({letter.rank, replies.emplace_back(records_of(mesh, letter.data))});
+    return back;
+  });
+  const auto answered = sparse_exchange<Word>(comm, letters);
+  collectively(comm, purpose, [&] { take_records(numbers, answered, mesh); });
 }
 
 } // namespace dovetail::stitching

@@ -1,3 +1,4 @@
+#include "dovetail/comm/agreement.hpp"
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/comm/exchange.hpp"
 #include "dovetail/distributed/ownership.hpp"
@@ -115,20 +116,9 @@ std::vector<Outgoing<GlobalIndex>> address_back(const std::vector<Incoming<Quest
   return back;
 }
 
-} // namespace
-
-void match_open_sides(const Communicator &comm, const Owners &owners,
-                      const std::vector<std::vector<LocalIndex>> &open_sides, DistributedMesh &mesh) {
-  const std::vector<OpenSide> alone = match_own(collect(mesh, open_sides), mesh);
-  std::vector<Question> questions;
-  questions.reserve(alone.size());
-  for (const OpenSide &side : alone)
-    questions.push_back({side.low, side.high, side.triangle});
-
-  const auto asked = sparse_exchange<Question>(comm, address(owners, questions));
-  const auto answers = answer(asked);
-  const auto answered = sparse_exchange<GlobalIndex>(comm, address_back(asked, answers));
-
+/// Joins the sides that were asked about, in the order of `alone`, and returns how many are on the hull.
+GlobalIndex join_answered(const std::vector<OpenSide> &alone,
+                          const std::vector<Incoming<GlobalIndex>> &answered, DistributedMesh &mesh) {
   // Answers come by ascending rank, as the questions went.
   auto side = alone.begin();
   GlobalIndex hull_edges = 0;
@@ -143,7 +133,32 @@ void match_open_sides(const Communicator &comm, const Owners &owners,
   assert(side == alone.end());
   for (SlabMesh &slab : mesh.slabs)
     std::ranges::sort(slab.border_sides, {}, &BorderSide::side);
-  mesh.hull_edges = all_reduce_sum(comm, hull_edges);
+  return hull_edges;
+}
+
+} // namespace
+
+void match_open_sides(const Communicator &comm, const Owners &owners,
+                      const std::vector<std::vector<LocalIndex>> &open_sides, DistributedMesh &mesh) {
+  const auto purpose = [] { return "the edges between its slabs and others"; };
+  std::vector<OpenSide> alone;
+  std::vector<Question> questions;
+  const auto letters = collectively(comm, purpose, [&] {
+    alone = match_own(collect(mesh, open_sides), mesh);
+    questions.reserve(alone.size());
+    for (const OpenSide &side : alone)
+      questions.push_back({side.low, side.high, side.triangle});
+    return address(owners, questions);
+  });
+  const auto asked = sparse_exchange<Question>(comm, letters);
+  std::vector<std::vector<GlobalIndex>> answers;
+  const auto replies = collectively(comm, purpose, [&] {
+    answers = answer(asked);
+    return address_back(asked, answers);
+  });
+  const auto answered = sparse_exchange<GlobalIndex>(comm, replies);
+  mesh.hull_edges =
+      all_reduce_sum(comm, collectively(comm, purpose, [&] { return join_answered(alone, answered, mesh); }));
 }
 
 } // namespace dovetail::stitching

@@ -6,6 +6,8 @@
 #include "dovetail/distributed/stitch.hpp"
 #include "dovetail/distributed/triangulate_region.hpp"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 namespace dovetail {
@@ -30,7 +32,11 @@ DistributedMesh triangulate(const Communicator &comm, PointTable &&points,
   });
   Region region = phase("split", [&] { return split_into_regions(comm, std::move(slabs)); });
   UnstitchedMesh local = measured("triangulate", [&] {
-    return collectively(comm, [&] { return triangulate_region(std::move(region), progress); });
+    const auto purpose = [&] {
+      return fmt::format("triangulating {} sites in {} slabs", region.slabs.sites.points.size(),
+                         region.slabs.own_slab_count);
+    };
+    return collectively(comm, purpose, [&] { return triangulate_region(std::move(region), progress); });
   });
   return phase("stitch", [&] { return stitch(comm, std::move(local)); });
 }

@@ -11,74 +11,108 @@ using Numbers = std::vector<GlobalIndex>;
 
 Numbers numbers_of(const Path &path) {
   Numbers numbers;
-  for (const PathSite &site : path)
-    numbers.push_back(site.number);
+  std::ranges::transform(path, std::back_inserter(numbers), &PathSite::number);
   return numbers;
 }
 
-/// Own and path sites, each once, by (along, across).
-Path sites_by_row(std::span<const Point> own_sites, GlobalIndex first_site, const Path &left,
-                  const Path &right, Axis axis) {
-  Path sites;
-  for (const Point &point : own_sites)
-    sites.push_back({point, first_site + static_cast<GlobalIndex>(sites.size())});
-  sites.insert(sites.end(), left.begin(), left.end());
-  sites.insert(sites.end(), right.begin(), right.end());
-  std::ranges::sort(sites, [&](const PathSite &a, const PathSite &b) {
-    return std::pair(along(a.point, axis), across(a.point, axis)) <
-           std::pair(along(b.point, axis), across(b.point, axis));
-  });
-  const auto same = [](const PathSite &a, const PathSite &b) { return a.number == b.number; };
-  sites.erase(std::unique(sites.begin(), sites.end(), same), sites.end());
-  return sites;
-}
+/// All sites that a slab is made of, in the total order, which is that of their numbers.
+class Sites {
+public:
+  Sites(std::span<const Point> own, GlobalIndex first, const Path &left, const Path &right)
+      : own_(own), first_(first) {
+    for (const Path *path : {&left, &right})
+      std::ranges::copy_if(*path, std::back_inserter(foreign_),
+                           [&](const PathSite &site) { return !is_own(site.number); });
+    std::ranges::sort(foreign_, {}, &PathSite::number);
+    const auto same = [](const PathSite &a, const PathSite &b) { return a.number == b.number; };
+    foreign_.erase(std::unique(foreign_.begin(), foreign_.end(), same), foreign_.end());
+    before_ = static_cast<std::size_t>(std::ranges::lower_bound(foreign_, first, {}, &PathSite::number) -
+                                       foreign_.begin());
+  }
 
-bool all_collinear(const Path &sites) {
-  return std::ranges::all_of(sites, [&](const PathSite &site) {
-    return orientation(sites.front().point, sites.back().point, site.point) == Sign::zero;
-  });
+  std::size_t count() const { return own_.size() + foreign_.size(); }
+  bool is_own(GlobalIndex number) const {
+    return first_ <= number && number < first_ + static_cast<GlobalIndex>(own_.size());
+  }
+  PathSite operator[](std::size_t i) const {
+    if (i < before_)
+      return foreign_[i];
+    if (i < before_ + own_.size())
+      return {own_[i - before_], first_ + static_cast<GlobalIndex>(i - before_)};
+    return foreign_[i - own_.size()];
+  }
+
+private:
+  std::span<const Point> own_;
+  GlobalIndex first_;
+  Path foreign_;
+  std::size_t before_; ///< foreign sites before the own ones
+};
+
+bool all_collinear(const Sites &sites) {
+  const Point first = sites[0].point, last = sites[sites.count() - 1].point;
+  for (std::size_t i = 1; i + 1 < sites.count(); ++i)
+    if (orientation(first, last, sites[i].point) != Sign::zero)
+      return false;
+  return true;
 }
 
 /// The convex hull's chain at lower (or higher) across, upwards from the lowest to the highest row, collinear
-/// sites included.
-Path hull_chain(const Path &by_row, Axis axis, bool lower_side) {
+/// sites included. From the first (last) site of all in the total order the chain goes both ways, up and
+/// down, and never back in `across`: so only a site that is lower or higher than all before it can be on it.
+Path hull_chain(const Sites &sites, Axis axis, bool lower_side) {
+  const auto nth = [&](std::size_t i) { return sites[lower_side ? i : sites.count() - 1 - i]; };
+  Path downwards{nth(0)}, upwards;
+  double lowest = along(nth(0).point, axis), highest = lowest;
+  for (std::size_t i = 1; i < sites.count(); ++i) {
+    const PathSite site = nth(i);
+    const double row = along(site.point, axis);
+    if (row < lowest) {
+      downwards.push_back(site);
+      lowest = row;
+    } else if (row > highest) {
+      upwards.push_back(site);
+      highest = row;
+    }
+  }
+  std::ranges::reverse(downwards);
+  downwards.insert(downwards.end(), upwards.begin(), upwards.end());
+
   const Sign outwards = (axis == Axis::x) == lower_side ? Sign::positive : Sign::negative;
   Path chain;
-  for (std::size_t i = 0; i < by_row.size(); ++i) {
-    const auto row = [&](std::size_t j) { return along(by_row[j].point, axis); };
-    const bool extreme =
-        lower_side ? i == 0 || row(i - 1) < row(i) : i + 1 == by_row.size() || row(i) < row(i + 1);
-    if (!extreme)
-      continue;
+  for (const PathSite &site : downwards) {
     while (chain.size() >= 2 &&
-           orientation(chain[chain.size() - 2].point, chain.back().point, by_row[i].point) == outwards)
+           orientation(chain[chain.size() - 2].point, chain.back().point, site.point) == outwards)
       chain.pop_back();
-    chain.push_back(by_row[i]);
+    chain.push_back(site);
   }
   return chain;
 }
 
 /// The sites of the row through `from` and `to` behind `from`, up to `to`.
-void append_row(Numbers &chain, const Path &by_row, Axis axis, const PathSite &from, const PathSite &to) {
-  for (const PathSite &site : by_row)
-    if (along(site.point, axis) == along(from.point, axis) &&
-        across(site.point, axis) > across(from.point, axis) &&
-        across(site.point, axis) <= across(to.point, axis))
+void append_row(Numbers &chain, const Sites &sites, Axis axis, const PathSite &from, const PathSite &to) {
+  if (from.number == to.number)
+    return;
+  for (std::size_t i = 0; i < sites.count(); ++i) {
+    const PathSite site = sites[i];
+    if (along(site.point, axis) == along(from.point, axis) && from.number < site.number &&
+        site.number <= to.number)
       chain.push_back(site.number);
+  }
 }
 
 } // namespace
 
 GlobalIndex triangles_between(std::span<const Point> own_sites, GlobalIndex first_site, const Path &left,
                               const Path &right, Axis axis) {
-  const Path by_row = sites_by_row(own_sites, first_site, left, right, axis);
-  if (by_row.size() < 3 || all_collinear(by_row))
+  const Sites sites(own_sites, first_site, left, right);
+  if (sites.count() < 3 || all_collinear(sites))
     return 0;
-  const Path left_core = left.empty() ? hull_chain(by_row, axis, true) : left;
-  const Path right_core = right.empty() ? hull_chain(by_row, axis, false) : right;
+  const Path left_core = left.empty() ? hull_chain(sites, axis, true) : left;
+  const Path right_core = right.empty() ? hull_chain(sites, axis, false) : right;
   Numbers right_chain = numbers_of(right_core), left_chain = numbers_of(left_core);
-  append_row(left_chain, by_row, axis, left_core.front(), right_core.front());
-  append_row(left_chain, by_row, axis, left_core.back(), right_core.back());
+  append_row(left_chain, sites, axis, left_core.front(), right_core.front());
+  append_row(left_chain, sites, axis, left_core.back(), right_core.back());
 
   const auto edges = static_cast<GlobalIndex>(left_chain.size() + right_chain.size()) - 2;
   std::ranges::sort(left_chain);
@@ -86,9 +120,8 @@ GlobalIndex triangles_between(std::span<const Point> own_sites, GlobalIndex firs
   Numbers border;
   std::ranges::set_union(left_chain, right_chain, std::back_inserter(border));
   const auto common = static_cast<GlobalIndex>(left_chain.size() + right_chain.size() - border.size());
-  const auto own_end = first_site + static_cast<GlobalIndex>(own_sites.size());
-  const auto own_on_border = std::ranges::count_if(
-      border, [&](GlobalIndex number) { return first_site <= number && number < own_end; });
+  const auto own_on_border =
+      std::ranges::count_if(border, [&](GlobalIndex number) { return sites.is_own(number); });
   const auto inside = static_cast<GlobalIndex>(own_sites.size()) - own_on_border;
   return edges + 2 * inside - 2 * (common - 1);
 }

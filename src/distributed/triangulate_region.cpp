@@ -7,7 +7,6 @@
 #include "dovetail/mesh/divide_and_conquer.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <fmt/core.h>
 #include <iterator>
 #include <utility>
@@ -164,6 +163,17 @@ std::vector<LocalIndex> sides_without_neighbour(const Triangulation &triangles) 
   return sides;
 }
 
+/// The paths and the kernel know nothing of each other, so that a fault of either shows here.
+void check_count(const SlabView &slab, const SlabMesh &mesh) {
+  const auto own = std::span(mesh.vertices.points).first(index(mesh.own_count));
+  const GlobalIndex expected = triangles_between(own, slab.begin, slab.left, slab.right, slab.slabs.axis);
+  if (mesh.triangles.triangle_count() != expected)
+    throw Error({ErrorKind::fault, fmt::format("slab {}", slab.slab), "",
+                 fmt::format("has {} triangles where its sites and paths call for {}",
+                             mesh.triangles.triangle_count(), expected),
+                 "this is a fault of dovetail: please report it with the points"});
+}
+
 SlabMesh triangulate_slab(const SlabView &slab) {
   const Path foreign = foreign_path_sites(slab);
   check_local_range(slab, index(slab.end - slab.begin) + foreign.size());
@@ -177,9 +187,7 @@ SlabMesh triangulate_slab(const SlabView &slab) {
   const Selection selection = select(slab, mesh.vertices.points, mesh.triangles);
   keep_used_ghosts(selection, foreign, mesh);
   remove_triangles(mesh.triangles, selection.removed);
-  assert(mesh.triangles.triangle_count() ==
-         triangles_between(std::span(mesh.vertices.points).first(index(mesh.own_count)), slab.begin,
-                           slab.left, slab.right, slab.slabs.axis));
+  check_count(slab, mesh);
   return mesh;
 }
 

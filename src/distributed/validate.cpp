@@ -86,7 +86,8 @@ ValidationReport run(const Communicator &comm, const DistributedMesh &mesh, cons
   if (mesh.triangle_count() == 0) {
     validation::check_collinear(comm, mesh, findings);
   } else {
-    collectively(comm, [&] { validation::check_triangles(mesh, findings, progress); });
+    collectively(comm, validation::checking_text,
+                 [&] { validation::check_triangles(mesh, findings, progress); });
     validation::check_borders(comm, mesh, owners, findings);
     validation::check_hull(comm, mesh, owners, findings);
     validation::check_ghosts_and_use(comm, mesh, owners, findings);

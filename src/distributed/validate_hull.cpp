@@ -87,10 +87,14 @@ std::vector<HullNotice> hull_notices(const DistributedMesh &mesh) {
 // of a pentagram, has two lowest vertices.
 void check_hull(const Communicator &comm, const DistributedMesh &mesh, const Ownership &owners,
                 Findings &findings) {
-  const std::vector<HullNotice> told = hull_notices(mesh);
-  findings.counts.hull_edges = static_cast<GlobalIndex>(told.size() / 2);
-  auto notices =
-      deliver(comm, told, [&](const HullNotice &notice) { return owners.rank_of_site(notice.site); });
+  auto notices = deliver(
+      comm,
+      [&] {
+        std::vector<HullNotice> told = hull_notices(mesh);
+        findings.counts.hull_edges = static_cast<GlobalIndex>(told.size() / 2);
+        return told;
+      },
+      [&](const HullNotice &notice) { return owners.rank_of_site(notice.site); });
   std::ranges::sort(notices, {}, &HullNotice::site);
   Extremes extremes;
   for (std::size_t begin = 0, end = 0; begin < notices.size(); begin = end) {
@@ -153,6 +157,20 @@ void add_path_edge(const DistributedMesh &mesh, const SlabMesh &slab, int s, Loc
     notices.push_back({line, low, high});
 }
 
+std::vector<PathNotice> path_notices(const DistributedMesh &mesh, const Ownership &owners) {
+  std::vector<PathNotice> told;
+  int s = mesh.first_slab;
+  for (const SlabMesh &slab : mesh.slabs) {
+    for (const BorderSide &border : slab.border_sides)
+      add_path_edge(mesh, slab, s, border.side, false, owners.slab_of_triangle(border.neighbour), told);
+    ++s;
+  }
+  for_each_hull_side(mesh, [&](const SlabMesh &slab, int number, LocalIndex side) {
+    add_path_edge(mesh, slab, number, side, true, none, told);
+  });
+  return told;
+}
+
 void check_path(const SlabMesh &slab, int s, std::span<const PathNotice> expected, Findings &findings) {
   std::vector<PathNotice> stored;
   for (std::size_t i = 1; i < slab.left_path.size(); ++i)
@@ -180,27 +198,19 @@ void check_path(const SlabMesh &slab, int s, std::span<const PathNotice> expecte
 // borders and hull know all edges of all paths, and a path is right if it has these and no others.
 void check_paths(const Communicator &comm, const DistributedMesh &mesh, const Ownership &owners,
                  Findings &findings) {
-  std::vector<PathNotice> told;
-  int s = mesh.first_slab;
-  for (const SlabMesh &slab : mesh.slabs) {
-    for (const BorderSide &border : slab.border_sides)
-      add_path_edge(mesh, slab, s, border.side, false, owners.slab_of_triangle(border.neighbour), told);
-    ++s;
-  }
-  for_each_hull_side(mesh, [&](const SlabMesh &slab, int number, LocalIndex side) {
-    add_path_edge(mesh, slab, number, side, true, none, told);
-  });
-  auto notices = deliver(comm, told, [&](const PathNotice &notice) {
-    return owners.rank_of_slab(static_cast<int>(notice.slab));
-  });
+  auto notices = deliver(
+      comm, [&] { return path_notices(mesh, owners); },
+      [&](const PathNotice &notice) { return owners.rank_of_slab(static_cast<int>(notice.slab)); });
   std::ranges::sort(notices);
-  s = mesh.first_slab;
-  for (const SlabMesh &slab : mesh.slabs) {
-    const auto range = std::ranges::equal_range(notices, s, {}, &PathNotice::slab);
-    if (s > 0)
-      check_path(slab, s, std::span<const PathNotice>(range.begin(), range.end()), findings);
-    ++s;
-  }
+  collectively(comm, checking_text, [&] {
+    int s = mesh.first_slab;
+    for (const SlabMesh &slab : mesh.slabs) {
+      const auto range = std::ranges::equal_range(notices, s, {}, &PathNotice::slab);
+      if (s > 0)
+        check_path(slab, s, std::span<const PathNotice>(range.begin(), range.end()), findings);
+      ++s;
+    }
+  });
 }
 
 } // namespace dovetail::validation

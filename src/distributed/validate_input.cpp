@@ -98,12 +98,18 @@ void check_input(const Communicator &comm, const DistributedMesh &mesh, const Po
           std::clamp<GlobalIndex>((entry.input_index - begin) / share, 0, comm.size() - 1));
     };
     // What the mesh has beyond all that the input has is compared with the first and last rounds.
-    std::vector<Entry> own;
-    add_mesh(mesh, begin == 0 ? lowest : begin, end > last ? highest : end - 1, own);
-    std::vector<Entry> of_mesh = deliver(comm, own, rank_of);
-    own.clear();
-    add_input(points, begin == 0 ? lowest : begin, end - 1, own);
-    std::vector<Entry> of_input = deliver(comm, own, rank_of);
+    const auto mesh_part = [&] {
+      std::vector<Entry> own;
+      add_mesh(mesh, begin == 0 ? lowest : begin, end > last ? highest : end - 1, own);
+      return own;
+    };
+    std::vector<Entry> of_mesh = deliver(comm, mesh_part, rank_of);
+    const auto input_part = [&] {
+      std::vector<Entry> own;
+      add_input(points, begin == 0 ? lowest : begin, end - 1, own);
+      return own;
+    };
+    std::vector<Entry> of_input = deliver(comm, input_part, rank_of);
     compare(of_input, of_mesh, findings);
   }
 }

@@ -248,27 +248,10 @@ void check_order_and_lines(const Communicator &comm, const DistributedMesh &mesh
     }
 }
 
-void check_collinear(const Communicator &comm, const DistributedMesh &mesh, Findings &findings) {
-  if (mesh.hull_edges != 0 && comm.is_root())
-    findings.add(ViolationKind::hull,
-                 [&] { return fmt::format("{} hull edges of no triangles", mesh.hull_edges); });
-  if (mesh.site_count() == 0)
-    return;
-  // The first and the last site of all.
-  std::vector<double> ends(4, -std::numeric_limits<double>::infinity());
-  for (const SlabMesh &slab : mesh.slabs) {
-    if (slab.own_count > 0 && slab.first_site == 0) {
-      ends[0] = point_of(slab, 0).x;
-      ends[1] = point_of(slab, 0).y;
-    }
-    if (slab.own_count > 0 && slab.first_site + slab.own_count == mesh.site_count()) {
-      ends[2] = point_of(slab, slab.own_count - 1).x;
-      ends[3] = point_of(slab, slab.own_count - 1).y;
-    }
-  }
-  ends = all_reduce_max(comm, ends);
-  const Point first{ends[0], ends[1]};
-  const Point last{ends[2], ends[3]};
+namespace {
+
+/// Local: all sites are between the first and the last site of all, and on all paths that must have them.
+void check_on_line(const DistributedMesh &mesh, Point first, Point last, Findings &findings) {
   // Sites on a line parallel to the cuts' normal have one-site paths, the nearest to each line; of all others
   // every split line meets every cell.
   const bool single = along(first, mesh.axis) == along(last, mesh.axis);
@@ -294,6 +277,32 @@ void check_collinear(const Communicator &comm, const DistributedMesh &mesh, Find
       findings.counts.path_edges += static_cast<GlobalIndex>(expected.size()) - 1;
     ++s;
   }
+}
+
+} // namespace
+
+void check_collinear(const Communicator &comm, const DistributedMesh &mesh, Findings &findings) {
+  if (mesh.hull_edges != 0 && comm.is_root())
+    findings.add(ViolationKind::hull,
+                 [&] { return fmt::format("{} hull edges of no triangles", mesh.hull_edges); });
+  if (mesh.site_count() == 0)
+    return;
+  // The first and the last site of all.
+  std::vector<double> ends(4, -std::numeric_limits<double>::infinity());
+  for (const SlabMesh &slab : mesh.slabs) {
+    if (slab.own_count > 0 && slab.first_site == 0) {
+      ends[0] = point_of(slab, 0).x;
+      ends[1] = point_of(slab, 0).y;
+    }
+    if (slab.own_count > 0 && slab.first_site + slab.own_count == mesh.site_count()) {
+      ends[2] = point_of(slab, slab.own_count - 1).x;
+      ends[3] = point_of(slab, slab.own_count - 1).y;
+    }
+  }
+  ends = all_reduce_max(comm, ends);
+  const Point first{ends[0], ends[1]};
+  const Point last{ends[2], ends[3]};
+  collectively(comm, checking_text, [&] { check_on_line(mesh, first, last, findings); });
 }
 
 } // namespace dovetail::validation

@@ -56,11 +56,9 @@ void check_ghost(const SlabMesh &slab, const GhostNotice &ghost, Findings &findi
     });
 }
 
-} // namespace
-
-void check_ghosts_and_use(const Communicator &comm, const DistributedMesh &mesh, const Ownership &owners,
-                          Findings &findings) {
-  std::vector<std::vector<bool>> used;
+/// Marks the own sites of every slab that its triangles use, and tells of its ghosts.
+std::vector<GhostNotice> ghost_notices(const DistributedMesh &mesh, std::vector<std::vector<bool>> &used,
+                                       Findings &findings) {
   std::vector<GhostNotice> told;
   int s = mesh.first_slab;
   for (const SlabMesh &slab : mesh.slabs) {
@@ -79,8 +77,17 @@ void check_ghosts_and_use(const Communicator &comm, const DistributedMesh &mesh,
     used.back().resize(at(slab.own_count));
     ++s;
   }
-  const auto notices =
-      deliver(comm, told, [&](const GhostNotice &ghost) { return owners.rank_of_site(ghost.number); });
+  return told;
+}
+
+} // namespace
+
+void check_ghosts_and_use(const Communicator &comm, const DistributedMesh &mesh, const Ownership &owners,
+                          Findings &findings) {
+  std::vector<std::vector<bool>> used;
+  const auto notices = deliver(
+      comm, [&] { return ghost_notices(mesh, used, findings); },
+      [&](const GhostNotice &ghost) { return owners.rank_of_site(ghost.number); });
   for (const GhostNotice &ghost : notices) {
     const std::size_t k = at(owners.slab_of_site(ghost.number) - mesh.first_slab);
     check_ghost(mesh.slabs[k], ghost, findings);

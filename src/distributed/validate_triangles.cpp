@@ -149,9 +149,9 @@ void check_notice(const SlabMesh &slab, int s, const BorderNotice &notice, Findi
 
 void check_borders(const Communicator &comm, const DistributedMesh &mesh, const Ownership &owners,
                    Findings &findings) {
-  const auto received = deliver(comm, border_notices(mesh), [&](const BorderNotice &notice) {
-    return owners.rank_of_triangle(notice.neighbour);
-  });
+  const auto received = deliver(
+      comm, [&] { return border_notices(mesh); },
+      [&](const BorderNotice &notice) { return owners.rank_of_triangle(notice.neighbour); });
   for (const BorderNotice &notice : received) {
     const int s = owners.slab_of_triangle(notice.neighbour);
     check_notice(mesh.slabs[at(s - mesh.first_slab)], s, notice, findings);

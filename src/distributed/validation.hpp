@@ -1,12 +1,14 @@
 /// What the parts of the distributed validator share. Private to distributed.
 #pragma once
 
+#include "dovetail/comm/agreement.hpp"
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/comm/exchange.hpp"
 #include "dovetail/distributed/mesh.hpp"
 #include "dovetail/distributed/validate.hpp"
 
 #include <algorithm>
+#include <concepts>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -61,15 +63,23 @@ private:
   std::vector<int> first_slabs_;
 };
 
-/// Collective: every item goes to the rank that `rank_of` names; returns what came here.
-template <Bulk T, class RankOf>
-std::vector<T> deliver(const Communicator &comm, const std::vector<T> &items, RankOf &&rank_of) {
+/// What a rank lacks memory for, if it does.
+inline const char *checking_text() { return "checking the mesh"; }
+
+/// Items by the ranks that they go to.
+template <Bulk T> struct Mail {
+  std::vector<T> items;
+  std::vector<Outgoing<T>> letters; ///< pieces of `items`
+};
+
+template <Bulk T, class RankOf> Mail<T> mail_of(const std::vector<T> &items, RankOf &&rank_of) {
   std::vector<std::pair<int, std::size_t>> order;
   order.reserve(items.size());
   for (std::size_t i = 0; i < items.size(); ++i)
     order.emplace_back(rank_of(items[i]), i);
   std::sort(order.begin(), order.end());
-  std::vector<T> sorted;
+  Mail<T> mail;
+  std::vector<T> &sorted = mail.items;
   sorted.reserve(items.size());
   std::vector<std::pair<int, std::size_t>> begins; // of every rank's letter
   for (const auto &[rank, i] : order) {
@@ -77,16 +87,33 @@ std::vector<T> deliver(const Communicator &comm, const std::vector<T> &items, Ra
       begins.emplace_back(rank, sorted.size());
     sorted.push_back(items[i]);
   }
-  std::vector<Outgoing<T>> letters;
   for (std::size_t k = 0; k < begins.size(); ++k) {
     const std::size_t end = k + 1 < begins.size() ? begins[k + 1].second : sorted.size();
-    letters.push_back(
+    mail.letters.push_back(
         {begins[k].first, std::span<const T>(sorted).subspan(begins[k].second, end - begins[k].second)});
   }
-  std::vector<T> received;
-  for (const Incoming<T> &letter : sparse_exchange<T>(comm, letters))
-    received.insert(received.end(), letter.data.begin(), letter.data.end());
-  return received;
+  return mail;
+}
+
+/// Collective: every one of the items that `make` makes goes to the rank that `rank_of` names; returns what
+/// came here.
+template <std::invocable Make, class RankOf>
+auto deliver(const Communicator &comm, Make &&make, RankOf &&rank_of) {
+  const auto mail = collectively(comm, checking_text, [&] { return mail_of(make(), rank_of); });
+  using T = typename std::remove_cvref_t<decltype(mail.items)>::value_type;
+  const auto incoming = sparse_exchange<T>(comm, mail.letters);
+  return collectively(comm, checking_text, [&] {
+    std::vector<T> received;
+    for (const Incoming<T> &letter : incoming)
+      received.insert(received.end(), letter.data.begin(), letter.data.end());
+    return received;
+  });
+}
+/// The same, of items that are there.
+template <Bulk T, class RankOf>
+std::vector<T> deliver(const Communicator &comm, const std::vector<T> &items, RankOf &&rank_of) {
+  return deliver(
+      comm, [&]() -> const std::vector<T> & { return items; }, rank_of);
 }
 
 /// Global number of a slab's vertex.

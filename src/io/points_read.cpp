@@ -276,8 +276,9 @@ PointInput read_points(const Communicator &comm, std::span<const std::string> pa
     input.files.push_back({std::move(file)});
   merge_coordinate_systems(input);
   input.points.attributes = all_attributes(input.files);
-  const std::vector<Share> shares =
-      collectively(comm, [&] { return read_shares(input, reading, comm.rank(), comm.size()); });
+  const std::vector<Share> shares = collectively(
+      comm, [] { return "the points that it reads"; },
+      [&] { return read_shares(input, reading, comm.rank(), comm.size()); });
   number_points(comm, input, shares);
   add_up_counts(comm, input);
   return input;

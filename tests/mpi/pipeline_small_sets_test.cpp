@@ -1,4 +1,5 @@
 // Thousands of small adversarial sets through the whole pipeline, against the definition of the result.
+#include "dovetail/comm/agreement.hpp"
 #include "dovetail/distributed/regions.hpp"
 #include "dovetail/distributed/stitch.hpp"
 #include "dovetail/distributed/triangulate.hpp"
@@ -7,9 +8,9 @@
 #include "support/small_sites_families.hpp"
 
 #include <cstdlib>
+#include <functional>
 #include <gtest/gtest.h>
 #include <span>
-#include <stdexcept>
 
 namespace dovetail::testing {
 namespace {
@@ -138,7 +139,8 @@ void lose_an_inner_triangle(UnstitchedMesh &local) {
   ADD_FAILURE() << "no slab has an inner triangle";
 }
 
-UnstitchedMesh unstitched_square(const Communicator &comm) {
+/// Sites in the unit square, split into one region for every rank.
+Region uniform_region(const Communicator &comm) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> coordinate(0, 1);
   std::vector<Point> points(static_cast<std::size_t>(100 * comm.size()));
@@ -146,26 +148,46 @@ UnstitchedMesh unstitched_square(const Communicator &comm) {
     p = {coordinate(random), coordinate(random)};
   SlabOptions options;
   options.slabs = comm.size();
-  return triangulate_region(split_into_regions(comm, sort_into_slabs(comm, deal(comm, points, 1), options)));
+  return split_into_regions(comm, sort_into_slabs(comm, deal(comm, points, 1), options));
+}
+
+/// Collective. The work must end with a fault of dovetail on all ranks.
+void expect_fault(const std::function<void()> &work) {
+  try {
+    work();
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const Error &error) {
+    EXPECT_EQ(error.kind(), ErrorKind::fault) << error.what();
+  }
 }
 
 // A fault of ours on one rank must never become a file: all ranks refuse the mesh.
 TEST(PipelineSmallSets, AMeshThatViolatesEulersRelationIsRefused) {
   const Communicator comm = world();
-  UnstitchedMesh local = unstitched_square(comm);
+  UnstitchedMesh local = triangulate_region(uniform_region(comm));
   if (comm.rank() == comm.size() - 1)
     lose_an_inner_triangle(local);
-  EXPECT_THROW(stitch(comm, std::move(local)), std::logic_error);
+  expect_fault([&] { stitch(comm, std::move(local)); });
+}
+
+TEST(PipelineSmallSets, ASlabWithoutTheTrianglesThatItsPathsCallForIsRefused) {
+  const Communicator comm = world();
+  if (comm.size() == 1)
+    return; // no paths
+  Region region = uniform_region(comm);
+  if (comm.rank() == comm.size() - 1) // its path is not that of its line any more
+    region.slabs.lines.back() -= 0.1;
+  expect_fault([&] { collectively(comm, [&] { return triangulate_region(std::move(region)); }); });
 }
 
 TEST(PipelineSmallSets, AMeshWithoutTrianglesIsRefusedUnlessItsSitesAreCollinear) {
   const Communicator comm = world();
-  UnstitchedMesh local = unstitched_square(comm);
+  UnstitchedMesh local = triangulate_region(uniform_region(comm));
   for (std::size_t k = 0; k < local.mesh.slabs.size(); ++k) {
     local.mesh.slabs[k].triangles = {};
     local.open_sides[k].clear();
   }
-  EXPECT_THROW(stitch(comm, std::move(local)), std::logic_error);
+  expect_fault([&] { stitch(comm, std::move(local)); });
 }
 
 } // namespace

@@ -1,4 +1,5 @@
-/// Errors that a user can cause and mend. Bugs are assertions, and MPI's own failures stay fatal.
+/// Errors that a user can cause and mend, and those that cheap checks find in finished results. Other bugs
+/// are assertions, and MPI's own failures stay fatal.
 #pragma once
 
 #include <stdexcept>
@@ -11,6 +12,7 @@ enum class ErrorKind : int {
   input,    ///< an input is missing, malformed, or not what was promised
   output,   ///< an output cannot be written
   resource, ///< memory, disk or index range does not suffice
+  fault,    ///< a check of its own results failed: a bug of dovetail, caught before it became a result
 };
 
 /// What went wrong, where, and what to do next. All text is for people.

@@ -24,7 +24,7 @@ Problem current_problem();
 /// words, such as "the paths of its slabs", and is only asked then.
 template <class Purpose> Problem current_problem(const Communicator &comm, Purpose &&purpose) {
   const auto told = [&](Problem problem) {
-    problem.subject = "rank " + std::to_string(comm.rank());
+    problem.subject = "rank " + std::to_string(comm.top_rank());
     problem.what += " for " + std::string(purpose());
     return problem;
   };

@@ -31,6 +31,8 @@ public:
   int rank() const { return rank_; }
   int size() const { return size_; }
   bool is_root() const { return rank_ == 0; }
+  /// Rank on the first communicator that this one was made from: the number by which people know it.
+  int top_rank() const { return top_rank_; }
 
   /// Collective: the ranks that gave the same color, in the order of their ranks. Shares the traffic count.
   Communicator split(int color) const;
@@ -49,13 +51,15 @@ public:
   MPI_Comm raw() const { return static_cast<MPI_Comm>(handle_); }
 
 private:
-  Communicator(boost::mpi::communicator handle, std::shared_ptr<Traffic> traffic, std::int64_t chunk_bytes);
+  Communicator(boost::mpi::communicator handle, std::shared_ptr<Traffic> traffic, std::int64_t chunk_bytes,
+               int top_rank);
 
   boost::mpi::communicator handle_;
   std::shared_ptr<Traffic> traffic_;
   std::int64_t chunk_bytes_;
   int rank_;
   int size_;
+  int top_rank_;
   mutable int sparse_round_ = 0;
 };
 

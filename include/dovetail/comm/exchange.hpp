@@ -4,7 +4,8 @@
 /// count what they hand to MPI for other ranks, message by message.
 ///
 /// What allocates for what arrives does so before it travels, and agrees on it (one all-reduce of an int):
-/// where one rank lacks the memory, every rank throws the same Error of ErrorKind::resource.
+/// where one rank lacks the memory, every rank throws the same Error of ErrorKind::resource. Arrays with a
+/// few numbers for every rank, and what MPI allocates for itself, are too small to agree on and stay fatal.
 #pragma once
 
 #include "dovetail/comm/agreement.hpp"

@@ -29,8 +29,8 @@ struct Region {
   /// The most sites that came together here for making one path: candidates of other ranks, with the
   /// approximate path that let them through.
   GlobalIndex candidate_sites = 0;
-  /// What went wrong on this rank while the others went on: `triangulate_region` throws it, so that it can be
-  /// agreed on when halves may speak again.
+  /// What went wrong on this rank, or in a group that it was in, while others went on: `triangulate_region`
+  /// throws it, so that it can be agreed on when halves may speak again.
   std::optional<Problem> problem;
 };
 

@@ -15,7 +15,8 @@ namespace dovetail {
 
 /// Collective. Numbers the triangles, joins the slabs, brings the ghosts what came with their sites, sums up
 /// the checksum and the hull. Sends O(path sites) of data to the few ranks that own those sites, and one
-/// count a slab to all. Euler's relation is checked: a violation is a bug, std::logic_error on all ranks.
+/// count a slab to all. Euler's relation is checked: a violation is a bug, an Error of
+/// ErrorKind::fault.
 DistributedMesh stitch(const Communicator &comm, UnstitchedMesh &&unstitched);
 
 namespace stitching {

@@ -28,13 +28,14 @@ struct UnstitchedMesh {
   GlobalIndex candidate_sites = 0; ///< see Region
 };
 
-/// Local. Errors: the region's own problem; resource, if a slab with its paths has too many sites for local
-/// indices. Cost: the kernel's, and two passes over its triangles.
+/// Local. Errors: the region's own problem; fault, if a slab has not the triangles that F9 foretells;
+/// resource, if a slab with its paths has too many sites for local indices. Cost: the kernel's, and two
+/// passes over its triangles.
 UnstitchedMesh triangulate_region(Region &&region, const Progress &progress = {});
 
-/// The number of triangles that a slab will have, before any of them exists (F9): from its own sites and its
-/// two paths, an empty one meaning that the slab is outermost there. Local. O(n log n): for checks, not for
-/// speed.
+/// The number of triangles that a slab will have, before any of them exists (F9): from its own sites, in the
+/// total order, and its two paths, an empty one meaning that the slab is outermost there. Local. O(path sites
+/// * log) and, for an outermost slab or one whose paths end apart, two comparisons a site.
 GlobalIndex triangles_between(std::span<const Point> own_sites, GlobalIndex first_site, const Path &left,
                               const Path &right, Axis axis);
 
