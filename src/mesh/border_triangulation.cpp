@@ -9,6 +9,9 @@
 namespace dovetail {
 namespace {
 
+/// Longer polygons are worth the preparations of PolygonTriangulation.
+constexpr std::size_t most_by_search = 64;
+
 std::size_t index(LocalIndex i) { return static_cast<std::size_t>(i); }
 
 } // namespace
@@ -19,7 +22,7 @@ void BorderTriangulation::solve(std::span<const LocalIndex> walk) {
   open_.clear();
   const auto close_loop = [&](std::size_t begin) {
     if (open_.size() - begin >= 3)
-      solve_simple({open_.begin() + static_cast<std::ptrdiff_t>(begin), open_.end()});
+      solve_simple(std::span(open_).subspan(begin));
   };
   for (const LocalIndex v : walk) {
     if (place_[index(v)] != none) {
@@ -38,17 +41,15 @@ void BorderTriangulation::solve(std::span<const LocalIndex> walk) {
     place_[index(v)] = none;
 }
 
-/// Cuts off the triangle on one edge, and what remains on both sides of it. A random edge, because along a
-/// border triangles often fan out from one site, and taking the edges in their order would never halve it.
-void BorderTriangulation::solve_simple(std::vector<LocalIndex> polygon) {
-  constexpr std::size_t many = 16;
+/// Cuts off the triangle on one edge, and what remains on both sides of it, as long as that is few.
+void BorderTriangulation::solve_simple(std::span<const LocalIndex> polygon) {
+  if (polygon.size() > most_by_search)
+    return long_.solve(polygon, corners_);
   std::vector<std::vector<LocalIndex>> waiting;
-  waiting.push_back(std::move(polygon));
+  waiting.emplace_back(polygon.begin(), polygon.end());
   while (!waiting.empty()) {
-    std::vector<LocalIndex> loop = std::move(waiting.back());
+    const std::vector<LocalIndex> loop = std::move(waiting.back());
     waiting.pop_back();
-    if (loop.size() > many)
-      std::ranges::rotate(loop, loop.begin() + static_cast<std::ptrdiff_t>(random() % loop.size()));
     const std::size_t top = apex(loop);
     corners_.insert(corners_.end(), {loop.back(), loop.front(), loop[top]});
     const auto middle = loop.begin() + static_cast<std::ptrdiff_t>(top);
@@ -72,14 +73,6 @@ std::size_t BorderTriangulation::apex(std::span<const LocalIndex> polygon) const
   }
   assert(best != 0);
   return best;
-}
-
-/// splitmix64.
-std::uint64_t BorderTriangulation::random() {
-  std::uint64_t v = random_state_ += 0x9e3779b97f4a7c15U;
-  v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9U;
-  v = (v ^ (v >> 27)) * 0x94d049bb133111ebU;
-  return v ^ (v >> 31);
 }
 
 } // namespace dovetail

@@ -44,8 +44,7 @@ std::string first_fault(const FaultReport &report) {
 class LargeSets : public ::testing::TestWithParam<Distribution> {};
 
 TEST_P(LargeSets, ValidAndBlindToOrder) {
-  const GlobalIndex n = GetParam() == Distribution::circle ? 5'000 : 60'000;
-  std::vector<Point> sites = distinct_sites(GetParam(), n);
+  std::vector<Point> sites = distinct_sites(GetParam(), 60'000);
   const Triangulation mesh = delaunay(sites);
   const FaultReport report = validate(sites, mesh);
   EXPECT_TRUE(report.valid()) << first_fault(report);

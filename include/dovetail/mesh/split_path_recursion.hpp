@@ -50,8 +50,8 @@ struct SplitTrace {
 /// The canonical Delaunay triangulation of distinct sites in any order, as `delaunay` gives it, with the
 /// triangles in another order. Local. At most 2^31 / 6 sites, or an Error.
 /// O(n log n) where paths are short, as they are for uniform sites: every level is linear in its sites and
-/// borders. A border of k sites without interior takes O(k^2) at worst; only sites that all lie on a convex
-/// curve, such as a circle, make such borders long.
+/// borders. A border of k sites without interior takes expected O(k) if it is convex, as for sites on a
+/// circle, and O(k log k) otherwise.
 /// `trace` is filled if given, at the cost of reading the clock at every split.
 Triangulation delaunay_by_split_paths(std::span<const Point> sites, SplitTrace *trace = nullptr);
 
