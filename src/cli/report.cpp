@@ -53,6 +53,7 @@ Report new_report(const Session &session, const std::string &subcommand,
   report["ranks"] = session.comm.size();
   for (const char *key : {"slabs",
                           "axis",
+                          "kernel",
                           "points",
                           "withheld",
                           "other_class",
@@ -71,6 +72,7 @@ Report new_report(const Session &session, const std::string &subcommand,
                           "path_sites",
                           "longest_path",
                           "ghosts",
+                          "split_trace",
                           "phases"})
     report[key] = nullptr;
   return report;

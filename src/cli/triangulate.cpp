@@ -3,9 +3,11 @@
 #include "options.hpp"
 #include "output.hpp"
 #include "report.hpp"
+#include "split_trace.hpp"
 #include "text.hpp"
 #include "verdict.hpp"
 
+#include "dovetail/base/error.hpp"
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/comm/phases.hpp"
 #include "dovetail/distributed/triangulate.hpp"
@@ -29,6 +31,8 @@ struct TriangulateCommand {
   std::string output; ///< "none" to write nothing
   PointReading reading;
   SlabOptions slabs;
+  Kernel kernel = Kernel::merge;
+  bool trace = false; ///< of the kernel split-path
   Telling telling;
   bool writes() const { return output != "none"; }
 };
@@ -46,6 +50,7 @@ struct Outcome {
   std::int64_t peak_rss_max_bytes = 0;
   std::vector<std::string> files;             ///< written, the one to open last
   std::optional<ValidationReport> validation; ///< of a mesh that is not written
+  std::optional<SplitTraceSummary> split_trace;
 };
 
 Outcome run_phases(const TriangulateCommand &command, const Communicator &comm) {
@@ -58,7 +63,8 @@ Outcome run_phases(const TriangulateCommand &command, const Communicator &comm) 
 
   meter.begin("read");
   outcome.input = phases.measure("read", [&] { return read_points(comm, command.inputs, command.reading); });
-  TriangulateOptions options{command.slabs, &phases};
+  SplitTrace trace;
+  TriangulateOptions options{command.slabs, &phases, {command.kernel, command.trace ? &trace : nullptr}};
   options.slabs.progress = progress_into(meter);
   options.slabs.subject = joined(command.inputs, " ");
   outcome.mesh = triangulate(comm, std::move(outcome.input.points), options);
@@ -74,6 +80,8 @@ Outcome run_phases(const TriangulateCommand &command, const Communicator &comm) 
         phases.measure("check", [&] { return validate(comm, outcome.mesh, options.slabs.progress); });
   }
   outcome.phases = summarise(comm, phases);
+  if (command.trace)
+    outcome.split_trace = summarise(comm, trace);
   return outcome;
 }
 
@@ -85,6 +93,7 @@ Report report_of(const TriangulateCommand &command, const Session &session, cons
     report["output"] = command.output;
   report["slabs"] = mesh.slab_count();
   report["axis"] = axis_name(mesh.axis);
+  report["kernel"] = kernel_name(command.kernel);
   report["points"] = outcome.input.read;
   report["withheld"] = outcome.input.withheld;
   report["other_class"] = outcome.input.other_class;
@@ -103,6 +112,8 @@ Report report_of(const TriangulateCommand &command, const Session &session, cons
   report["path_sites"] = statistics.path_sites;
   report["longest_path"] = statistics.longest_path;
   report["ghosts"] = statistics.ghosts;
+  if (outcome.split_trace)
+    report["split_trace"] = split_trace_as_json(*outcome.split_trace);
   report["phases"] = phases_as_json(phase_names, outcome.phases);
   return report;
 }
@@ -143,10 +154,15 @@ void print_outcome(const TriangulateCommand &command, const Session &session, co
                                   counted(session.comm.size(), "rank", "ranks")));
   if (command.writes())
     print_row("wrote", files_text(outcome.files));
+  if (outcome.split_trace)
+    print_split_trace(*outcome.split_trace, sites);
 }
 
 ExitCode run_triangulate(const TriangulateCommand &command, const Session &session) {
   const Communicator &comm = session.comm;
+  if (command.trace && command.kernel != Kernel::split_path)
+    throw Error({ErrorKind::usage, "--trace", "", "only the kernel split-path leaves a trace",
+                 "add --kernel split-path"});
   std::vector<std::string> outputs;
   if (command.writes())
     outputs = check_mesh_output(comm, command.output, command.inputs);
@@ -179,10 +195,12 @@ Examples:
   mpirun -n 4 dovetail triangulate survey.las -o ground.vtkhdf --class 2,9 --duplicates lowest
   mpirun -n 4 dovetail triangulate west.npy east.npy -o both.vtkhdf --slabs 16 --report both.json
   mpirun -n 4 dovetail triangulate stars.npy -o none --progress
+  dovetail triangulate stars.npy -o none --kernel split-path --trace
 )";
 
 const std::map<std::string, AxisChoice> axis_choices{
     {"auto", AxisChoice::automatic}, {"x", AxisChoice::x}, {"y", AxisChoice::y}};
+const std::map<std::string, Kernel> kernels{{"merge", Kernel::merge}, {"split-path", Kernel::split_path}};
 const std::map<std::string, DuplicateRule> duplicate_rules{{"first", DuplicateRule::first},
                                                            {"lowest", DuplicateRule::lowest},
                                                            {"highest", DuplicateRule::highest},
@@ -211,6 +229,13 @@ Subcommand add_triangulate(CLI::App &app) {
   add_word_option(*parser, "--axis", command->slabs.axis, axis_choices,
                   "Coordinate that the slabs cut; auto looks at a sample")
       ->option_text("auto|x|y [auto]");
+  add_word_option(
+      *parser, "--kernel", command->kernel, kernels,
+      "How slabs are triangulated: merge is fast, split-path is the published recursion; the mesh "
+      "is the same")
+      ->option_text("merge|split-path [merge]");
+  parser->add_flag("--trace", command->trace,
+                   "Tell what each level of the recursion did, in a table and in the report (split-path)");
   parser->add_flag("--presorted", command->slabs.presorted,
                    "The points ascend by (x, y), or (y, x) with --axis y: checked, not sorted");
   add_telling_options(*parser, command->telling);

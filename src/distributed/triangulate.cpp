@@ -36,7 +36,8 @@ DistributedMesh triangulate(const Communicator &comm, PointTable &&points,
       return fmt::format("triangulating {} sites in {} slabs", region.slabs.sites.points.size(),
                          region.slabs.own_slab_count);
     };
-    return collectively(comm, purpose, [&] { return triangulate_region(std::move(region), progress); });
+    return collectively(comm, purpose,
+                        [&] { return triangulate_region(std::move(region), progress, options.kernel); });
   });
   return phase("stitch", [&] { return stitch(comm, std::move(local)); });
 }

@@ -174,7 +174,11 @@ void check_count(const SlabView &slab, const SlabMesh &mesh) {
                  "this is a fault of dovetail: please report it with the points"});
 }
 
-SlabMesh triangulate_slab(const SlabView &slab) {
+Triangulation triangles_of(std::span<const Point> sites, const KernelChoice &choice) {
+  return choice.kernel == Kernel::split_path ? delaunay_by_split_paths(sites, choice.trace) : delaunay(sites);
+}
+
+SlabMesh triangulate_slab(const SlabView &slab, const KernelChoice &kernel) {
   const Path foreign = foreign_path_sites(slab);
   check_local_range(slab, index(slab.end - slab.begin) + foreign.size());
   SlabMesh mesh;
@@ -183,7 +187,7 @@ SlabMesh triangulate_slab(const SlabView &slab) {
   mesh.vertices = vertices_of(slab, foreign);
   std::ranges::transform(slab.left, std::back_inserter(mesh.left_path), &PathSite::number);
 
-  mesh.triangles = delaunay(mesh.vertices.points);
+  mesh.triangles = triangles_of(mesh.vertices.points, kernel);
   const Selection selection = select(slab, mesh.vertices.points, mesh.triangles);
   keep_used_ghosts(selection, foreign, mesh);
   remove_triangles(mesh.triangles, selection.removed);
@@ -228,7 +232,7 @@ void remove_triangles(Triangulation &triangles, std::span<const LocalIndex> remo
   neighbours.resize(3 * index(count));
 }
 
-UnstitchedMesh triangulate_region(Region &&region, const Progress &progress) {
+UnstitchedMesh triangulate_region(Region &&region, const Progress &progress, const KernelChoice &kernel) {
   if (region.problem)
     throw Error(*region.problem);
   UnstitchedMesh result;
@@ -236,7 +240,7 @@ UnstitchedMesh triangulate_region(Region &&region, const Progress &progress) {
   const int count = region.slabs.own_slab_count;
   report_progress(progress, "triangulate", 0);
   for (int k = 0; k < count; ++k) {
-    mesh.slabs.push_back(triangulate_slab(view(region, k)));
+    mesh.slabs.push_back(triangulate_slab(view(region, k), kernel));
     mesh.checksum += checksum_of(mesh.slabs.back());
     result.open_sides.push_back(sides_without_neighbour(mesh.slabs.back().triangles));
     report_progress(progress, "triangulate", static_cast<double>(k + 1) / count);

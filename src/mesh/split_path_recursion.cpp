@@ -127,12 +127,13 @@ public:
     const std::size_t interior = problem.order[0].size() - border;
     record(depth, [&](SplitLevel &level) {
       level.subproblems += 1;
+      level.bottoms += interior == 0 ? 1 : 0;
       level.largest = std::max(level.largest, static_cast<std::int64_t>(interior));
       level.interior += static_cast<std::int64_t>(interior);
       level.border += static_cast<std::int64_t>(border);
     });
     if (interior == 0) {
-      const Stopwatch stopwatch(seconds(&SplitTrace::bottom_s));
+      const Stopwatch stopwatch(seconds(&SplitTimes::bottom_s));
       walk_around(problem.sides, walk_);
       return bottom_.solve(walk_);
     }
@@ -151,7 +152,9 @@ public:
 private:
   static constexpr std::uint8_t low = 1, high = 2, on_border = 4;
 
-  double *seconds(double SplitTrace::*phase) const { return trace_ != nullptr ? &(trace_->*phase) : nullptr; }
+  double *seconds(double SplitTimes::*phase) const {
+    return trace_ != nullptr ? &(trace_->times.*phase) : nullptr;
+  }
 
   template <class Change> void record(std::size_t depth, Change change) {
     if (trace_ == nullptr)
@@ -206,13 +209,13 @@ private:
     const Axis upwards = other(line.axis);
     Path path;
     {
-      const Stopwatch stopwatch(seconds(&SplitTrace::hull_s));
+      const Stopwatch stopwatch(seconds(&SplitTimes::hull_s));
       ascending_.clear();
       for (const LocalIndex v : problem.order[index(upwards)])
         ascending_.push_back({site(v), v});
       path = split_path_of_ascending(ascending_, line);
     }
-    const Stopwatch stopwatch(seconds(&SplitTrace::border_s));
+    const Stopwatch stopwatch(seconds(&SplitTimes::border_s));
     const auto corner = [&](double position) {
       return line.axis == Axis::x ? Point{line.position, position} : Point{position, line.position};
     };
@@ -234,7 +237,7 @@ private:
   std::array<Subproblem, 2> split(Subproblem &&problem, SplitLine line, const Vertices &path) {
     std::array<Subproblem, 2> halves;
     {
-      const Stopwatch stopwatch(seconds(&SplitTrace::border_s));
+      const Stopwatch stopwatch(seconds(&SplitTimes::border_s));
       const std::size_t cut = index(line.axis), uncut = 1 - cut;
       for (std::size_t h = 0; h < 2; ++h) {
         Sides &sides = halves[h].sides[cut];
@@ -250,7 +253,7 @@ private:
         halves[1].sides[uncut].chain[end] = std::move(parts.high);
       }
     }
-    const Stopwatch stopwatch(seconds(&SplitTrace::split_s));
+    const Stopwatch stopwatch(seconds(&SplitTimes::split_s));
     for (const LocalIndex v : problem.order[0])
       if (mark(v) == 0)
         mark(v) = across(site(v), line.axis) <= line.position ? low : high;
@@ -321,7 +324,7 @@ Triangulation delaunay_by_split_paths(std::span<const Point> sites, SplitTrace *
     return mesh;
   Subproblem whole;
   {
-    const Stopwatch stopwatch(trace != nullptr ? &trace->sort_s : nullptr);
+    const Stopwatch stopwatch(trace != nullptr ? &trace->times.sort_s : nullptr);
     for (const Axis axis : axes) {
       Vertices &order = whole.order[index(axis)];
       order.resize(sites.size());
@@ -331,7 +334,7 @@ Triangulation delaunay_by_split_paths(std::span<const Point> sites, SplitTrace *
   }
   whole.sides = outermost_sides(sites, whole.order[1]);
   Recursion(sites, trace, mesh.corners).solve(std::move(whole), 0);
-  const Stopwatch stopwatch(trace != nullptr ? &trace->bottom_s : nullptr);
+  const Stopwatch stopwatch(trace != nullptr ? &trace->times.bottom_s : nullptr);
   mesh.neighbours = neighbours_of(mesh.corners, sites.size());
   return mesh;
 }

@@ -20,6 +20,7 @@ SCHEMA = {
     "ranks": (int, EVERY),
     "slabs": (int, MESHES),
     "axis": (str, MESHES),
+    "kernel": (str, {"triangulate"}),
     "points": (int, EVERY),
     "withheld": (int, {"triangulate"}),
     "other_class": (int, {"triangulate"}),
@@ -38,6 +39,7 @@ SCHEMA = {
     "path_sites": (int, {"triangulate"}),
     "longest_path": (int, {"triangulate"}),
     "ghosts": (int, MESHES),
+    "split_trace": (dict, set()),  # on request
     "phases": (list, EVERY),
 }
 PHASE_KEYS = ("wall_max_s", "wall_mean_s", "cpu_max_s", "cpu_sum_s", "bytes_sent", "messages_sent")
@@ -118,6 +120,45 @@ class Reports(harness.TestCase):
             self.assertEqual([p["name"] for p in report["phases"]][:6], PHASES)
             self.assertIsNone(report["phases"][5]["wall_max_s"])
         self.assertEqual(before, sorted(self.folder.iterdir()))
+
+    def test_kernels(self):
+        self.succeed("generate", "kuzmin", "-n", POINTS, "--seed", SEED, "-o", self.points, "--quiet")
+        found = set()
+        for ranks, slabs in ((1, 1), (2, 3), (3, 8)):
+            for kernel in ("merge", "split-path"):
+                report = self.report_of("triangulate", self.points, "-o", "none", "--slabs", slabs, "--kernel", kernel,
+                                        ranks=ranks)
+                self.assertEqual(report["kernel"], kernel)
+                self.assertIsNone(report["split_trace"])
+                self.assertIs(report["valid"], True)
+                found.add((report["checksum"], report["triangles"]))
+        self.assertEqual(len(found), 1)
+
+    def test_trace(self):
+        self.succeed("generate", "uniform", "-n", POINTS, "--seed", SEED, "-o", self.points, "--quiet")
+        for ranks, slabs in ((1, 1), (3, 8)):
+            report = self.report_of("triangulate", self.points, "-o", "none", "--slabs", slabs, "--kernel", "split-path",
+                                    "--trace", ranks=ranks)
+            levels, times = report["split_trace"]["levels"], report["split_trace"]["times"]
+            self.assertEqual(levels[0]["subproblems"], slabs)
+            # Every site is once in the interior or on the border of its slab; those of paths are so in two slabs.
+            sites = levels[0]["interior"] + levels[0]["border"]
+            self.assertGreaterEqual(sites, POINTS)
+            self.assertLessEqual(sites, POINTS + 2 * report["path_sites"])
+            for level, below in zip(levels, levels[1:]):
+                self.assertLessEqual(2 * below["largest"], level["largest"])
+                self.assertLessEqual(level["longest_path"], level["path"])
+                self.assertGreaterEqual(level["bucketing"], 1)
+            self.assertEqual(levels[-1]["interior"], 0)
+            self.assertEqual([part["name"] for part in times], ["sort", "hull", "border", "split", "bottom"])
+            for part in times:
+                self.assertGreater(part["max_s"], 0)
+                self.assertLessEqual(part["max_s"], part["sum_s"])
+            self.assertIn(f"{levels[0]['path']:,}", report["run"].out)
+            self.assertIn("bucketing", report["run"].out)
+        refused = harness.dovetail("triangulate", self.points, "-o", "none", "--trace", ranks=2)
+        self.assertEqual(refused.code, 2, refused)
+        self.assertIn("--kernel split-path", refused.err)
 
     def test_quiet(self):
         self.succeed("generate", "uniform", "-n", 300, "-o", self.points, "--quiet")

@@ -1,8 +1,9 @@
-// One checksum for every number of slabs, either axis and either order of the input, on every kind of points;
-// and a valid mesh each time. One program for each number of ranks; all compare with the same oracle, the
-// sequential kernel over the distinct points.
+// One checksum for every number of slabs, either axis, order of the input and kernel, on every kind of
+// points; and a valid mesh each time. One program for each number of ranks; all compare with the same oracle,
+// the sequential kernel merge over the distinct points.
 //
-// By default a selection in which every pair of values of (ranks, slabs, axis, order, points) occurs;
+// By default a selection in which every pair of values of (ranks, slabs, axis, order, kernel, points)
+// occurs;
 // everything under DOVETAIL_FULL=1.
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/comm/exchange.hpp"
@@ -48,13 +49,20 @@ struct Way {
   int slabs_choice; ///< 0: as many as ranks, 1: 7, 2: 16
   bool along_y;
   bool shuffled;
+  Kernel kernel;
 };
 
 /// The selection: for every pair of ranks and points one way.
 Way selected_way(std::size_t ranks_choice, std::size_t points_choice) {
   return {static_cast<int>((ranks_choice + points_choice) % 3),
           (ranks_choice / 3 + points_choice + points_choice / 3) % 2 == 1,
-          (ranks_choice + points_choice / 2) % 2 == 1};
+          (ranks_choice + points_choice / 2) % 2 == 1,
+          (ranks_choice + points_choice) % 2 == 1 ? Kernel::split_path : Kernel::merge};
+}
+
+std::string name_of(const Way &way) {
+  return fmt::format("slabs {} y {} shuffled {} {}", way.slabs_choice, way.along_y, way.shuffled,
+                     way.kernel == Kernel::merge ? "merge" : "split path");
 }
 
 bool full() {
@@ -139,6 +147,7 @@ void check(const Communicator &comm, const PointTable &table, const Way &way, co
   TriangulateOptions options;
   options.slabs.slabs = way.slabs_choice == 0 ? comm.size() : way.slabs_choice == 1 ? 7 : 16;
   options.slabs.axis = way.along_y ? AxisChoice::y : AxisChoice::x;
+  options.kernel.kernel = way.kernel;
   const PointTable kept = input;
   const DistributedMesh mesh = triangulate(comm, std::move(input), options);
   EXPECT_EQ(mesh.slab_count(), options.slabs.slabs);
@@ -165,16 +174,18 @@ TEST_P(Matrix, OneChecksum) {
   const Expected expected = oracle(comm, table);
   if (!full()) {
     const Way way = selected_way(ranks_choice, GetParam());
-    SCOPED_TRACE(fmt::format("slabs {} y {} shuffled {}", way.slabs_choice, way.along_y, way.shuffled));
+    SCOPED_TRACE(name_of(way));
     check(comm, table, way, expected);
     return;
   }
   for (int slabs = 0; slabs < 3; ++slabs)
     for (const bool along_y : {false, true})
-      for (const bool shuffled : {false, true}) {
-        SCOPED_TRACE(fmt::format("slabs {} y {} shuffled {}", slabs, along_y, shuffled));
-        check(comm, table, {slabs, along_y, shuffled}, expected);
-      }
+      for (const bool shuffled : {false, true})
+        for (const Kernel kernel : {Kernel::merge, Kernel::split_path}) {
+          const Way way{slabs, along_y, shuffled, kernel};
+          SCOPED_TRACE(name_of(way));
+          check(comm, table, way, expected);
+        }
 }
 
 INSTANTIATE_TEST_SUITE_P(Points, Matrix, testing::Range(std::size_t{0}, all_points.size()),
@@ -186,13 +197,17 @@ TEST(Selection, HasEveryPair) {
   for (std::size_t r = 0; r < rank_counts.size(); ++r)
     for (std::size_t p = 0; p < all_points.size(); ++p) {
       const Way way = selected_way(r, p);
-      const std::array<std::size_t, 5> values{r, static_cast<std::size_t>(way.slabs_choice), way.along_y,
-                                              way.shuffled, p};
+      const std::array<std::size_t, 6> values{r,
+                                              static_cast<std::size_t>(way.slabs_choice),
+                                              way.along_y,
+                                              way.shuffled,
+                                              way.kernel == Kernel::merge,
+                                              p};
       for (std::size_t a = 0; a < values.size(); ++a)
         for (std::size_t b = a + 1; b < values.size(); ++b)
           pairs.insert({a, values[a], b, values[b]});
     }
-  constexpr std::array<std::size_t, 5> levels{6, 3, 2, 2, 9};
+  constexpr std::array<std::size_t, 6> levels{6, 3, 2, 2, 2, 9};
   std::size_t expected = 0;
   for (std::size_t a = 0; a < levels.size(); ++a)
     for (std::size_t b = a + 1; b < levels.size(); ++b)

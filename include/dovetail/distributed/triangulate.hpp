@@ -5,6 +5,7 @@
 #include "dovetail/base/point_table.hpp"
 #include "dovetail/comm/communicator.hpp"
 #include "dovetail/comm/phases.hpp"
+#include "dovetail/distributed/kernel.hpp"
 #include "dovetail/distributed/mesh.hpp"
 #include "dovetail/distributed/slabs.hpp"
 
@@ -15,6 +16,7 @@ namespace dovetail {
 struct TriangulateOptions {
   SlabOptions slabs;          ///< how to sort and cut; its progress hears of the later stages as well
   PhaseLog *phases = nullptr; ///< if set, the phases sort, split, triangulate and stitch are added to it
+  KernelChoice kernel;        ///< for the triangles of slabs; no influence on the mesh
 };
 
 /// Collective. The canonical Delaunay triangulation of the distinct points: a function of their set alone,

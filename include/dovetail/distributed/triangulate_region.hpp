@@ -6,6 +6,7 @@
 #pragma once
 
 #include "dovetail/base/progress.hpp"
+#include "dovetail/distributed/kernel.hpp"
 #include "dovetail/distributed/mesh.hpp"
 #include "dovetail/distributed/regions.hpp"
 
@@ -31,7 +32,8 @@ struct UnstitchedMesh {
 /// Local. Errors: the region's own problem; fault, if a slab has not the triangles that F9 foretells;
 /// resource, if a slab with its paths has too many sites for local indices. Cost: the kernel's, and two
 /// passes over its triangles.
-UnstitchedMesh triangulate_region(Region &&region, const Progress &progress = {});
+UnstitchedMesh triangulate_region(Region &&region, const Progress &progress = {},
+                                  const KernelChoice &kernel = {});
 
 /// The number of triangles that a slab will have, before any of them exists (F9): from its own sites, in the
 /// total order, and its two paths, an empty one meaning that the slab is outermost there. Local. O(path sites

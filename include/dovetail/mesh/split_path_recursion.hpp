@@ -26,25 +26,33 @@ namespace dovetail {
 /// What happened at one depth of the recursion.
 struct SplitLevel {
   std::int64_t subproblems = 0;
+  std::int64_t bottoms = 0;  ///< subproblems without interior sites: the recursion ends there
   std::int64_t largest = 0;  ///< most interior sites of a subproblem
   std::int64_t interior = 0; ///< interior sites of all subproblems
   std::int64_t border = 0;   ///< border sites of all subproblems, each as often as it is met
   std::int64_t path = 0;     ///< sites of all new paths, clipped
   std::int64_t longest_path = 0;
-  /// Bucketing: the largest subproblem over the mean one; 1 is even.
+  /// Bucketing: the largest of the subproblems that are split over their mean; 1 is even.
   double bucketing() const {
-    return interior > 0 ? static_cast<double>(largest * subproblems) / static_cast<double>(interior) : 1.0;
+    return interior > 0
+               ? static_cast<double>(largest * (subproblems - bottoms)) / static_cast<double>(interior)
+               : 1.0;
   }
 };
 
-/// A record of a run, for studies.
+/// Where the time went.
+struct SplitTimes {
+  double sort_s = 0;   ///< presorting in x and in y
+  double hull_s = 0;   ///< lower hulls
+  double border_s = 0; ///< clipping, and dividing the borders
+  double split_s = 0;  ///< dividing the two orders
+  double bottom_s = 0; ///< triangulating borders without interior, and joining triangles
+};
+
+/// A record of one run or several, for studies.
 struct SplitTrace {
   std::vector<SplitLevel> levels; ///< from the whole set downwards
-  double sort_s = 0;              ///< presorting in x and in y
-  double hull_s = 0;              ///< lower hulls
-  double border_s = 0;            ///< clipping, and dividing the borders
-  double split_s = 0;             ///< dividing the two orders
-  double bottom_s = 0;            ///< triangulating borders without interior, and joining triangles
+  SplitTimes times;
 };
 
 /// The canonical Delaunay triangulation of distinct sites in any order, as `delaunay` gives it, with the
@@ -52,7 +60,7 @@ struct SplitTrace {
 /// O(n log n) where paths are short, as they are for uniform sites: every level is linear in its sites and
 /// borders. A border of k sites without interior takes expected O(k) if it is convex, as for sites on a
 /// circle, and O(k log k) otherwise.
-/// `trace` is filled if given, at the cost of reading the clock at every split.
+/// This run is added to `trace` if there is one, at the cost of reading the clock at every split.
 Triangulation delaunay_by_split_paths(std::span<const Point> sites, SplitTrace *trace = nullptr);
 
 } // namespace dovetail
