@@ -229,13 +229,11 @@ Subcommand add_triangulate(CLI::App &app) {
   add_word_option(*parser, "--axis", command->slabs.axis, axis_choices,
                   "Coordinate that the slabs cut; auto looks at a sample")
       ->option_text("auto|x|y [auto]");
-  add_word_option(
-      *parser, "--kernel", command->kernel, kernels,
-      "How slabs are triangulated: merge is fast, split-path is the published recursion; the mesh "
-      "is the same")
+  add_word_option(*parser, "--kernel", command->kernel, kernels,
+                  "How slabs are triangulated: fast, or as published; the same mesh")
       ->option_text("merge|split-path [merge]");
   parser->add_flag("--trace", command->trace,
-                   "Tell what each level of the recursion did, in a table and in the report (split-path)");
+                   "Tell what every level of split-path did, in a table and in the report");
   parser->add_flag("--presorted", command->slabs.presorted,
                    "The points ascend by (x, y), or (y, x) with --axis y: checked, not sorted");
   add_telling_options(*parser, command->telling);
