@@ -40,12 +40,12 @@ Hull BucketKernel::triangulate(Vertex first, Vertex count, Vertex far_ghost) {
   first_ = first;
   count_ = count;
   gather();
-  sphere_ = {{points_.data(), first}, origin_, twin_, first + count, guard_};
+  sphere_ = {{points_.data(), first}, corner_, twin_, first + count, guard_};
   sort_into_tiles();
   const Hull hull = conquer_tiles(0, 0);
   HalfEdge ghost = hull.first[0];
   do {
-    origin_[ghost + 2] = narrow(far_ghost);
+    corner_[ghost] = narrow(far_ghost);
     ghost = sphere_.ghost_after(ghost);
   } while (ghost != hull.first[0]);
   return hull;

@@ -12,19 +12,24 @@
 namespace dovetail::divide_and_conquer {
 
 /// Coordinates of a bucket under the vertex numbers of the whole. One more, the last, is the point at
-/// infinity.
+/// infinity. The address is of a vertex 0 that is not there: one subtraction less in every look-up.
 struct NearSites {
-  const Point *points;
-  Vertex first; ///< the vertex of points[0]
-  Point operator[](Vertex v) const { return points[v - first]; }
+  std::uintptr_t address;
+  NearSites() = default;
+  NearSites(const Point *points, Vertex first)
+      : address(reinterpret_cast<std::uintptr_t>(points) -
+                static_cast<std::uintptr_t>(first) * sizeof(Point)) {}
+  Point operator[](Vertex v) const {
+    return *reinterpret_cast<const Point *>(address + static_cast<std::uintptr_t>(v) * sizeof(Point));
+  }
 };
 
 /// Works on one bucket after another in the same memory.
 class BucketKernel {
 public:
-  BucketKernel(std::span<const Point> sites, std::span<LocalIndex> order, LocalIndex *origin,
+  BucketKernel(std::span<const Point> sites, std::span<LocalIndex> order, LocalIndex *corner,
                LocalIndex *twin, double guard)
-      : sites_(sites), order_(order), origin_(origin), twin_(twin), guard_(guard) {}
+      : sites_(sites), order_(order), corner_(corner), twin_(twin), guard_(guard) {}
 
   /// Triangulates the sites order[first] .. order[first + count - 1], which it puts into an order of its own;
   /// count >= 2. Their point at infinity is `far_ghost` afterwards.
@@ -62,7 +67,7 @@ private:
 
   std::span<const Point> sites_;
   std::span<LocalIndex> order_;
-  LocalIndex *origin_;
+  LocalIndex *corner_;
   LocalIndex *twin_;
   double guard_;
 

@@ -76,7 +76,7 @@ LocalIndex drop_ghosts(const Sphere<FarSites> &sphere, HalfEdge ghost, LocalInde
       --from;
     for (LocalIndex i = 0; i < 3; ++i) {
       const LocalIndex other = sphere.twin[3 * from + i];
-      sphere.origin[3 * hole + i] = sphere.origin[3 * from + i];
+      sphere.corner[3 * hole + i] = sphere.corner[3 * from + i];
       sphere.twin[3 * hole + i] = other;
       if (other != beyond)
         sphere.twin[other] = 3 * hole + i;
@@ -88,16 +88,9 @@ LocalIndex drop_ghosts(const Sphere<FarSites> &sphere, HalfEdge ghost, LocalInde
 
 /// From half-edges and cut order to the neighbours and site numbers of a Triangulation, in place.
 void renumber(Triangulation &mesh, std::span<const LocalIndex> order) {
-  LocalIndex *corner = mesh.corners.data();
   const LocalIndex *site = order.data();
-  const std::size_t size = mesh.corners.size();
-  // Half-edge i leaves the vertex at place i; as neighbour i it must lie across from corner i.
-  for (std::size_t h = 0; h < size; h += 3) {
-    const LocalIndex a = site[corner[h]], b = site[corner[h + 1]], c = site[corner[h + 2]];
-    corner[h] = c;
-    corner[h + 1] = a;
-    corner[h + 2] = b;
-  }
+  for (LocalIndex &corner : mesh.corners)
+    corner = site[corner];
   for (LocalIndex &twin : mesh.neighbours) // `beyond` stays `none`, without a branch
     twin = static_cast<LocalIndex>(static_cast<std::uint32_t>(twin) / 3) | (twin >> 31);
 }

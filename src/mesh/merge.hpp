@@ -39,9 +39,8 @@ namespace dovetail::divide_and_conquer {
 
 /// The lowest edge of a chain. side 0 is the left chain, side 1 the right one.
 struct Rim {
-  HalfEdge front;  ///< the triangle to be replaced; it has the layout of a ghost
-  HalfEdge inner;  ///< the half-edge behind it: from l to next, or from next to r
-  HalfEdge behind; ///< its triangle
+  HalfEdge front; ///< the triangle to be replaced; it has the layout of a ghost
+  HalfEdge inner; ///< the half-edge behind it: from l to next, or from next to r
   Vertex next;
   Vertex apex;
 };
@@ -52,44 +51,66 @@ struct Rim {
 template <unsigned side> inline constexpr HalfEdge link = side == 0 ? 2 : 1;
 
 template <class Sites> struct Seam {
-  const Sphere<Sites> &sphere;
+  const Sphere<Sites> sphere;          ///< a copy: its addresses stay in registers
+  Pair next_x, next_y, apex_x, apex_y; ///< where they are, left and right
 
   /// Looks behind the chain.
-  template <unsigned side> void survey(Rim &rim) const {
-    rim.next = sphere.origin[rim.front + static_cast<HalfEdge>(side)];
+  template <unsigned side> void survey(Rim &rim) {
+    rim.next = sphere.corner[rim.front + 1 + static_cast<HalfEdge>(side)];
     rim.inner = sphere.twin[rim.front];
-    rim.behind = sphere.triangle_of(rim.inner);
-    rim.apex = sphere.origin[sphere.before(rim.inner, rim.behind)];
+    const Point at_next = sphere.site[rim.next];
+    next_x[side] = at_next.x;
+    next_y[side] = at_next.y;
+    look_at_apex<side>(rim);
+  }
+
+  template <unsigned side> void look_at_apex(Rim &rim) {
+    rim.apex = sphere.corner[rim.inner];
+    const Point at_apex = sphere.site[rim.apex];
+    apex_x[side] = at_apex.x;
+    apex_y[side] = at_apex.y;
   }
 
   /// Opens the triangle behind: it takes the place in front of the edge to its apex, and what was in front
   /// before stays in front of the edge from there to `next`. `end` is l or r.
-  template <unsigned side> void uncover(Rim &rim, Vertex end) const {
-    const HalfEdge next_side =
-        side == 0 ? sphere.after(rim.inner, rim.behind) : sphere.before(rim.inner, rim.behind);
-    const HalfEdge end_side =
-        side == 0 ? sphere.before(rim.inner, rim.behind) : sphere.after(rim.inner, rim.behind);
-    sphere.join(rim.front, sphere.twin[next_side]);
-    sphere.join(rim.behind, sphere.twin[end_side]);
+  template <unsigned side> void uncover(Rim &rim, Vertex end) {
+    const HalfEdge behind = sphere.triangle_of(rim.inner);
+    const HalfEdge before = sphere.before(rim.inner, behind);
+    const HalfEdge after = 3 * behind + 3 - rim.inner - before; // the three are 0, 1 and 2 more than `behind`
+    const HalfEdge inner = sphere.twin[side == 0 ? before : after];
+    sphere.join(rim.front, sphere.twin[side == 0 ? after : before]);
+    sphere.join(behind, inner);
     if constexpr (side == 0)
-      sphere.set_ghost(rim.behind, end, rim.apex);
+      sphere.set_ghost(behind, end, rim.apex);
     else
-      sphere.set_ghost(rim.behind, rim.apex, end);
-    sphere.twin[rim.behind + link<side>] = narrow(rim.front + 3 - link<side>);
-    rim.front = rim.behind;
+      sphere.set_ghost(behind, rim.apex, end);
+    sphere.twin[behind + link<side>] = narrow(rim.front + 3 - link<side>);
+    rim.front = behind;
+    rim.inner = inner;
+    rim.next = rim.apex;
+    next_x[side] = apex_x[side];
+    next_y[side] = apex_y[side];
+    look_at_apex<side>(rim);
   }
 
   /// Makes the triangle in front l, r, next and goes on along the chain. `below` is its side next to be built
   /// on.
-  template <unsigned side> void zip(Rim &rim, Vertex l, Vertex r, HalfEdge &below) const {
+  template <unsigned side> void zip(Rim &rim, Vertex l, Vertex r, HalfEdge &below) {
     const HalfEdge triangle = rim.front;
     rim.front = sphere.twin[triangle + link<side>] - (3 - link<side>);
-    sphere.set_origins(triangle, l, r, rim.next);
+    sphere.set_corners(triangle, rim.next, l, r);
     sphere.join(triangle, below);
     sphere.join(triangle + link<side>, rim.inner);
     below = triangle + 3 - link<side>;
   }
 };
+
+/// Whose next site is zipped: of the only one that is above the base, or of the winner. Without a branch: one
+/// of two outcomes, of which neither is likely, is enough for the processor to guess.
+inline bool takes_right(unsigned below_base, unsigned left_wins) {
+  constexpr unsigned right = 0b001101; // bit 2 * below_base + left_wins
+  return (right >> (2 * below_base + left_wins) & 1) != 0;
+}
 
 /// The ghosts that begin at the ends of the lower tangent: all `left` must come before all `right`.
 struct Tangent {
@@ -193,68 +214,50 @@ Hull Sphere<Sites>::merge_along(const Hull &left, const Hull &right, HalfEdge sp
   chain(bottom, tangent.right);
   HalfEdge below = bottom;
 
-  const Seam<Sites> seam{*this};
+  Seam<Sites> seam{*this, {}, {}, {}, {}};
   seam.template survey<0>(rim_l);
   seam.template survey<1>(rim_r);
-  const auto lanes = [](double a, double b) { return Pair{a, b}; };
-  Point at_l = site[l], at_r = site[r];
-  Pair lx = lanes(at_l.x, at_l.x), ly = lanes(at_l.y, at_l.y);
-  Pair rx = lanes(at_r.x, at_r.x), ry = lanes(at_r.y, at_r.y);
+  const auto both = [](double value) { return Pair{value, value}; };
+  const Point at_l = site[l], at_r = site[r];
+  Pair lx = both(at_l.x), ly = both(at_l.y), rx = both(at_r.x), ry = both(at_r.y);
   for (;;) {
-    const Point next_l = site[rim_l.next], next_r = site[rim_r.next];
-    const Point apex_l = site[rim_l.apex], apex_r = site[rim_r.apex];
-    const SightPair next = look(lanes(next_l.x, next_r.x), lanes(next_l.y, next_r.y), lx, ly, rx, ry);
-    const SightPair apex = look(lanes(apex_l.x, apex_r.x), lanes(apex_l.y, apex_r.y), lx, ly, rx, ry);
+    const SightPair next = look(seam.next_x, seam.next_y, lx, ly, rx, ry);
+    const SightPair apex = look(seam.apex_x, seam.apex_y, lx, ly, rx, ry);
     const Pair circle = circle_determinant(next, apex);
-    unsigned above = lanes_above(next.im, height_bound);
-    unsigned inside = lanes_above(circle, circle_bound);
-    unsigned bare = 0; // lanes with a ghost behind, where the filter cannot know
-    if ((above | lanes_above(-next.im, height_bound)) != 3) [[unlikely]] {
-      above = (turn(l, r, rim_l.next) == Sign::positive ? 1U : 0U) |
-              (turn(l, r, rim_r.next) == Sign::positive ? 2U : 0U);
-      // The sign of the height, which is not certain here, is all that tells that infinity is outside.
-      bare = (rim_l.apex == infinity ? 1U : 0U) | (rim_r.apex == infinity ? 2U : 0U);
-    }
-    const unsigned asked = above & ~bare;
-    const unsigned unsure = asked & ~(inside | lanes_above(-circle, circle_bound));
-    inside &= asked;
-    if (unsure != 0) [[unlikely]] {
-      if ((unsure & 1) != 0 && is_inside(l, r, rim_l.next, rim_l.apex))
-        inside |= 1;
-      if ((unsure & 2) != 0 && is_inside(l, r, rim_r.next, rim_r.apex))
-        inside |= 2;
+    unsigned below_base = negative_lanes(next.im);
+    unsigned inside = 3 & ~(below_base | negative_lanes(circle));
+    if (!all_lanes_beyond(next.im, height_bound, circle, circle_bound)) [[unlikely]] {
+      if (lanes_beyond(next.im, height_bound) != 3)
+        below_base = (turn(l, r, rim_l.next) == Sign::positive ? 0U : 1U) |
+                     (turn(l, r, rim_r.next) == Sign::positive ? 0U : 2U);
+      inside = ((below_base & 1) == 0 && is_inside(l, r, rim_l.next, rim_l.apex) ? 1U : 0U) |
+               ((below_base & 2) == 0 && is_inside(l, r, rim_r.next, rim_r.apex) ? 2U : 0U);
     }
     if (inside != 0) {
-      if ((inside & 1) != 0) {
+      if ((inside & 1) != 0)
         seam.template uncover<0>(rim_l, l);
-        seam.template survey<0>(rim_l);
-      }
-      if ((inside & 2) != 0) {
+      if ((inside & 2) != 0)
         seam.template uncover<1>(rim_r, r);
-        seam.template survey<1>(rim_r);
-      }
       continue;
     }
-    bool take_right = above == 2;
-    if (above == 3) {
-      const double determinant = next.re[0] * next.im[1] - next.re[1] * next.im[0];
-      take_right = determinant > bounds.circle;
-      if (!(std::fabs(determinant) > bounds.circle)) [[unlikely]]
-        take_right = is_inside(l, r, rim_l.next, rim_r.next);
-    } else if (above == 0) {
+    if (below_base == 3)
       break;
-    }
-    if (take_right) {
+    const Pair crossed = next.re * Pair{next.im[1], next.im[0]};
+    const Pair left_against_right = crossed - Pair{crossed[1], crossed[0]};
+    unsigned left_wins = negative_lanes(left_against_right) & 1;
+    if (!(std::fabs(left_against_right[0]) > bounds.circle) && below_base == 0) [[unlikely]]
+      left_wins = is_inside(l, r, rim_l.next, rim_r.next) ? 0 : 1;
+    if (takes_right(below_base, left_wins)) {
       seam.template zip<1>(rim_r, l, r, below);
       r = rim_r.next;
-      rx = lanes(next_r.x, next_r.x);
-      ry = lanes(next_r.y, next_r.y);
+      rx = both(seam.next_x[1]);
+      ry = both(seam.next_y[1]);
       seam.template survey<1>(rim_r);
     } else {
       seam.template zip<0>(rim_l, l, r, below);
       l = rim_l.next;
-      lx = lanes(next_l.x, next_l.x);
-      ly = lanes(next_l.y, next_l.y);
+      lx = both(seam.next_x[0]);
+      ly = both(seam.next_y[0]);
       seam.template survey<0>(rim_l);
     }
   }

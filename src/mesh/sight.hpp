@@ -48,12 +48,28 @@ inline constexpr Point far_away{0x1p400, 0.0};
 /// Lane 0 belongs to the left side of the seam, lane 1 to the right.
 typedef double Pair __attribute__((vector_size(16)));
 
-/// One bit a lane: is it above the bound?
-inline unsigned lanes_above(Pair value, Pair bound) {
+/// One bit a lane: is it negative?
+inline unsigned negative_lanes(Pair value) {
 #ifdef __SSE2__
-  return static_cast<unsigned>(_mm_movemask_pd(value > bound));
+  return static_cast<unsigned>(_mm_movemask_pd(value));
 #else
-  return (value[0] > bound[0] ? 1U : 0U) | (value[1] > bound[1] ? 2U : 0U);
+  return (std::signbit(value[0]) ? 1U : 0U) | (std::signbit(value[1]) ? 2U : 0U);
+#endif
+}
+
+/// One bit a lane: is its absolute value above the bound? Not a number is above nothing.
+inline unsigned lanes_beyond(Pair value, Pair bound) {
+  return (std::fabs(value[0]) > bound[0] ? 1U : 0U) | (std::fabs(value[1]) > bound[1] ? 2U : 0U);
+}
+
+/// Are all four?
+inline bool all_lanes_beyond(Pair a, Pair a_bound, Pair b, Pair b_bound) {
+#ifdef __SSE2__
+  const __m128d sign = _mm_set1_pd(-0.0);
+  return _mm_movemask_pd(_mm_and_pd(_mm_cmpgt_pd(_mm_andnot_pd(sign, a), a_bound),
+                                    _mm_cmpgt_pd(_mm_andnot_pd(sign, b), b_bound))) == 3;
+#else
+  return (lanes_beyond(a, a_bound) & lanes_beyond(b, b_bound)) == 3;
 #endif
 }
 

@@ -70,7 +70,7 @@ template <class Sites> Hull Sphere<Sites>::three_sites(Vertex first) const {
   if (sign == Sign::negative)
     std::swap(b, c);
   const HalfEdge ghosts[3] = {base + 3, base + 6, base + 9};
-  set_origins(base, a, b, c);
+  set_corners(base, c, a, b);
   set_ghost(ghosts[0], a, b);
   set_ghost(ghosts[1], b, c);
   set_ghost(ghosts[2], c, a);
@@ -183,17 +183,17 @@ template <class Sites> bool Sphere<Sites>::four_sites(Vertex first, Hull &hull) 
       v[2] = v[3];
       v[3] = a;
     }
-    set_origins(base, v[0], v[1], v[2]);
-    set_origins(base + 3, v[0], v[2], v[3]);
+    set_corners(base, v[2], v[0], v[1]);
+    set_corners(base + 3, v[3], v[0], v[2]);
     set_ghost(ghosts[0], v[0], v[1]);
     set_ghost(ghosts[1], v[1], v[2]);
     set_ghost(ghosts[2], v[2], v[3]);
     set_ghost(ghosts[3], v[3], v[0]);
     hull = hull_of(ghosts, 4);
   } else {
-    set_origins(base, v[0], v[1], v[3]);
-    set_origins(base + 3, v[1], v[2], v[3]);
-    set_origins(base + 6, v[2], v[0], v[3]);
+    set_corners(base, v[3], v[0], v[1]);
+    set_corners(base + 3, v[3], v[1], v[2]);
+    set_corners(base + 6, v[3], v[2], v[0]);
     set_ghost(ghosts[1], v[0], v[1]);
     set_ghost(ghosts[2], v[1], v[2]);
     set_ghost(ghosts[3], v[2], v[0]);

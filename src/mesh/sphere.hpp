@@ -6,14 +6,16 @@
 /// triangles [2s, 2s + 2n - 2), nothing is ever allocated, and a merge finds the two triangles it must add
 /// lying free between its parts: 2(s + n_left) - 2 and 2(s + n_left) - 1.
 ///
-/// A half-edge is 3 * triangle + i. `origin[h]` is the vertex it leaves, `twin[h]` the opposite half-edge;
-/// around a triangle they follow each other counter-clockwise. A ghost beyond the hull edge u -> v (the hull
-/// seen counter-clockwise, the sites on its left) always begins with the half-edge on that edge:
+/// A half-edge is 3 * triangle + i. `corner[h]` is the vertex of its triangle that lies *across* from it,
+/// `twin[h]` the opposite half-edge; around a triangle they follow each other counter-clockwise. So the half
+/// edge h of a triangle t = 3 * triangle goes from corner[after(h, t)] to corner[before(h, t)], and what a
+/// merge looks at most often, the apex behind an edge, is one look-up. A ghost beyond the hull edge u -> v
+/// (the hull seen counter-clockwise, the sites on its left) always begins with the half-edge on that edge:
 ///
-///                 infinity               origin        twin
-///                  /    \       h + 0    v             the half-edge u -> v inside
-///         h + 2   /      \      h + 1    u             second of the ghost before, whose edge ends at u
-///                /        \     h + 2    infinity      first of the ghost after, whose edge begins at v
+///                 infinity               corner across   twin
+///                  /    \       h + 0    infinity        the half-edge u -> v inside
+///         h + 2   /      \      h + 1    v               third of the ghost before, whose edge ends at u
+///                /        \     h + 2    u               second of the ghost after, whose edge begins at v
 ///               v -------- u
 ///                  h + 0
 ///
@@ -50,7 +52,7 @@ constexpr bool less_along(Point a, Point b, unsigned axis) {
 /// Sites: gives a Point for a Vertex, and `far_away` for `infinity`.
 template <class Sites> struct Sphere {
   Sites site;
-  LocalIndex *origin;
+  LocalIndex *corner;
   LocalIndex *twin;
   Vertex infinity;
   double guard; ///< of the filter: see sight.hpp
@@ -58,25 +60,27 @@ template <class Sites> struct Sphere {
   static HalfEdge triangle_of(HalfEdge h) {
     return static_cast<HalfEdge>(static_cast<std::uint32_t>(h) / 3) * 3;
   }
-  static HalfEdge after(HalfEdge h, HalfEdge triangle) { return h == triangle + 2 ? triangle : h + 1; }
-  static HalfEdge before(HalfEdge h, HalfEdge triangle) { return h == triangle ? triangle + 2 : h - 1; }
+  static HalfEdge before(HalfEdge h, HalfEdge triangle) {
+    return h - 1 + 3 * static_cast<HalfEdge>(h == triangle); // no branch: any of the three is as likely
+  }
   HalfEdge ghost_after(HalfEdge ghost) const { return twin[ghost + 2] - 1; }
   HalfEdge ghost_before(HalfEdge ghost) const { return twin[ghost + 1] - 2; }
-  Vertex begin_of(HalfEdge ghost) const { return origin[ghost + 1]; }
-  Vertex end_of(HalfEdge ghost) const { return origin[ghost]; }
+  Vertex begin_of(HalfEdge ghost) const { return corner[ghost + 2]; }
+  Vertex end_of(HalfEdge ghost) const { return corner[ghost + 1]; }
 
   void join(HalfEdge a, HalfEdge b) const {
     twin[a] = narrow(b);
     twin[b] = narrow(a);
   }
   void chain(HalfEdge ghost, HalfEdge next) const { join(ghost + 2, next + 1); }
-  void set_origins(HalfEdge triangle, Vertex a, Vertex b, Vertex c) const {
-    origin[triangle] = narrow(a);
-    origin[triangle + 1] = narrow(b);
-    origin[triangle + 2] = narrow(c);
+  /// The triangle whose half-edges are b -> c, c -> a and a -> b.
+  void set_corners(HalfEdge triangle, Vertex a, Vertex b, Vertex c) const {
+    corner[triangle] = narrow(a);
+    corner[triangle + 1] = narrow(b);
+    corner[triangle + 2] = narrow(c);
   }
   /// The ghost beyond the hull edge u -> v.
-  void set_ghost(HalfEdge ghost, Vertex u, Vertex v) const { set_origins(ghost, v, u, infinity); }
+  void set_ghost(HalfEdge ghost, Vertex u, Vertex v) const { set_corners(ghost, infinity, v, u); }
 
   Sign turn(Vertex a, Vertex b, Vertex c) const { return orientation(site[a], site[b], site[c]); }
   bool is_inside(Vertex l, Vertex r, Vertex p, Vertex q) const;
