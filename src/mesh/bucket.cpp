@@ -29,8 +29,8 @@ double scale_of(double low, double high, double limit) {
 
 } // namespace
 
-BucketKernel::Box BucketKernel::box_of(Vertex first, Vertex count) {
-  Box box{*point(first), *point(first)};
+Box BucketKernel::box_of(Vertex first, Vertex count) {
+  Box box(*point(first));
   for (Vertex v = first + 1; v < first + count; ++v)
     box.add(*point(v));
   return box;
@@ -39,10 +39,9 @@ BucketKernel::Box BucketKernel::box_of(Vertex first, Vertex count) {
 Hull BucketKernel::triangulate(Vertex first, Vertex count, Vertex far_ghost) {
   first_ = first;
   count_ = count;
-  gather();
+  const Box box = gather();
   sphere_ = {{points_.data(), first}, corner_, twin_, first + count, guard_};
-  sort_into_tiles();
-  const Hull hull = conquer_tiles(0, 0);
+  const Hull hull = conquer_scratch(first, count, box);
   HalfEdge ghost = hull.first[0];
   do {
     corner_[ghost] = narrow(far_ghost);
@@ -51,106 +50,147 @@ Hull BucketKernel::triangulate(Vertex first, Vertex count, Vertex far_ghost) {
   return hull;
 }
 
-void BucketKernel::gather() {
+Box BucketKernel::gather() {
   const auto n = static_cast<std::size_t>(count_);
   if (points_.size() < n + 1) {
     points_.resize(n + 1);
     scratch_.resize(n);
     key_.resize(n);
   }
-  box_.low = box_.high = sites_[static_cast<std::size_t>(*index(first_))];
+  Box box(sites_[static_cast<std::size_t>(*index(first_))]);
   for (std::size_t i = 0; i < n; ++i) {
     const LocalIndex site = index(first_)[i];
     const Point p = sites_[static_cast<std::size_t>(site)];
     scratch_[i] = {p, site};
-    box_.add(p);
+    box.add(p);
   }
   points_[n] = far_away;
+  return box;
 }
 
-/// A counting sort by the tiles of a grid, numbered so that halving a range of tiles is a cut across the
-/// longer side. Tiles are monotone in each coordinate, so they separate sites strictly.
-void BucketKernel::sort_into_tiles() {
-  const auto n = static_cast<std::size_t>(count_);
-  bits_ = n < 2 * per_tile || !fixed_point_is_safe()
-              ? 0
-              : static_cast<unsigned>(std::bit_width(n / per_tile)) - 1;
-  if (bits_ == 0) { // one tile; where differences may overflow, nothing here may be computed
-    for (std::size_t i = 0; i < n; ++i) {
-      points_[i] = scratch_[i].point;
-      index(first_)[i] = scratch_[i].index;
-    }
-    tile_start_ = {narrow(first_), narrow(first_ + count_)};
-    return;
+void BucketKernel::to_scratch(Vertex first, Vertex count) {
+  const Point *const sites = point(first);
+  const LocalIndex *const numbers = index(first);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i)
+    scratch_[i] = {sites[i], numbers[i]};
+}
+
+void BucketKernel::from_scratch(Vertex first, Vertex count) {
+  Point *const sites = point(first);
+  LocalIndex *const numbers = index(first);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    sites[i] = scratch_[i].point;
+    numbers[i] = scratch_[i].index;
   }
-  double width = box_.high.x - box_.low.x;
-  double height = box_.high.y - box_.low.y;
-  axis_of_level_.clear();
+}
+
+/// A part of any size from two.
+Hull BucketKernel::conquer(Vertex first, Vertex count) {
+  return count <= few ? conquer_few(first, count) : conquer_in_grid(first, count);
+}
+
+Hull BucketKernel::conquer_in_grid(Vertex first, Vertex count) {
+  if (!fixed_point_is_safe())
+    return conquer_by_median(first, count);
+  to_scratch(first, count);
+  return conquer_scratch(first, count, box_of(first, count));
+}
+
+/// The part whose sites are in the scratch, in any order.
+Hull BucketKernel::conquer_scratch(Vertex first, Vertex count, const Box &box) {
+  if (count <= few || !fixed_point_is_safe()) {
+    from_scratch(first, count);
+    return count <= few ? conquer_few(first, count) : conquer_by_median(first, count);
+  }
+  const Grid grid = sort_into_tiles(first, count, box);
+  const Hull hull = conquer_tiles(grid, 0, 0);
+  tile_start_.resize(grid.start);
+  return hull;
+}
+
+/// A counting sort by the tiles of a grid, from the scratch. Tiles are monotone in each coordinate, so they
+/// separate sites strictly.
+BucketKernel::Grid BucketKernel::sort_into_tiles(Vertex first, Vertex count, const Box &box) {
+  const auto n = static_cast<std::size_t>(count);
+  Grid grid{tile_start_.size(), static_cast<unsigned>(std::bit_width(n / per_tile)) - 1, 0, count};
+  double width = box.high[0] - box.low[0];
+  double height = box.high[1] - box.low[1];
   std::array<unsigned, 2> levels{};
-  for (unsigned level = 0; level < bits_; ++level) {
+  for (unsigned level = 0; level < grid.bits; ++level) {
     const unsigned axis = height > width ? 1 : 0;
     (axis == 0 ? width : height) /= 2;
-    axis_of_level_.push_back(axis);
+    grid.axes |= std::uint64_t{axis} << level;
     ++levels[axis];
   }
-  // spread[axis][tile along the axis] has the tile's bits where the levels of this axis want them.
-  std::array<std::vector<std::uint32_t>, 2> spread;
   for (unsigned axis = 0; axis < 2; ++axis) {
-    spread[axis].assign(std::size_t{1} << levels[axis], 0);
-    unsigned bit = levels[axis];
-    for (unsigned level = 0; level < bits_; ++level)
-      if (axis_of_level_[level] == axis) {
-        --bit;
-        for (std::size_t tile = 0; tile < spread[axis].size(); ++tile)
-          spread[axis][tile] |= static_cast<std::uint32_t>(tile >> bit & 1) << (bits_ - 1 - level);
+    std::vector<std::uint32_t> &spread = spread_[axis];
+    spread.assign(std::size_t{1} << levels[axis], 0);
+    std::size_t done = spread.size(); // a bit of the number doubles what is known
+    for (unsigned level = 0; level < grid.bits; ++level)
+      if (grid.axis(level) == axis) {
+        for (std::size_t tile = 0; tile < spread.size(); tile += done)
+          spread[tile + done / 2] = spread[tile] | std::uint32_t{1} << (grid.bits - 1 - level);
+        done /= 2;
       }
   }
-  const double x_scale = scale_of(box_.low.x, box_.high.x, static_cast<double>(spread[0].size()));
-  const double y_scale = scale_of(box_.low.y, box_.high.y, static_cast<double>(spread[1].size()));
-  const std::size_t tiles = std::size_t{1} << bits_;
-  tile_start_.assign(tiles + 1, 0);
+  const double x_scale = scale_of(box.low[0], box.high[0], static_cast<double>(spread_[0].size()));
+  const double y_scale = scale_of(box.low[1], box.high[1], static_cast<double>(spread_[1].size()));
+  const std::size_t tiles = std::size_t{1} << grid.bits;
+  tile_start_.resize(grid.start + tiles + 1, 0);
+  LocalIndex *const tile_start = tile_start_.data() + grid.start;
+  const std::uint32_t *const spread_x = spread_[0].data();
+  const std::uint32_t *const spread_y = spread_[1].data();
+  const Numbered *const sites = scratch_.data();
+  std::uint32_t *const keys = key_.data();
   for (std::size_t i = 0; i < n; ++i) {
-    const Point p = scratch_[i].point;
-    const auto x = static_cast<std::uint32_t>(static_cast<std::int32_t>((p.x - box_.low.x) * x_scale));
-    const auto y = static_cast<std::uint32_t>(static_cast<std::int32_t>((p.y - box_.low.y) * y_scale));
-    key_[i] = spread[0][x] | spread[1][y];
-    ++tile_start_[key_[i]];
+    const Point p = sites[i].point;
+    const auto x = static_cast<std::uint32_t>(static_cast<std::int32_t>((p.x - box.low[0]) * x_scale));
+    const auto y = static_cast<std::uint32_t>(static_cast<std::int32_t>((p.y - box.low[1]) * y_scale));
+    const std::uint32_t key = spread_x[x] | spread_y[y];
+    keys[i] = key;
+    ++tile_start[key];
   }
-  LocalIndex next = narrow(first_);
+  LocalIndex next = narrow(first);
   for (std::size_t tile = 0; tile <= tiles; ++tile) {
-    const LocalIndex here = tile_start_[tile];
-    tile_start_[tile] = next;
+    const LocalIndex here = tile_start[tile];
+    tile_start[tile] = next;
     next += here;
   }
+  Point *const to_points = point(first);
+  LocalIndex *const to_index = order_.data();
   for (std::size_t i = 0; i < n; ++i) {
-    const LocalIndex to = tile_start_[key_[i]]++;
-    *point(to) = scratch_[i].point;
-    *index(to) = scratch_[i].index;
+    const LocalIndex to = tile_start[keys[i]]++;
+    to_points[to - first] = sites[i].point;
+    to_index[to] = sites[i].index;
   }
   for (std::size_t tile = tiles; tile > 0; --tile)
-    tile_start_[tile] = tile_start_[tile - 1];
-  tile_start_[0] = narrow(first_);
+    tile_start[tile] = tile_start[tile - 1];
+  tile_start[0] = narrow(first);
+  return grid;
 }
 
-/// The 2^(bits - level) tiles that begin with `tile`. At least two sites.
-Hull BucketKernel::conquer_tiles(std::size_t tile, unsigned level) {
-  const std::size_t tiles = std::size_t{1} << (bits_ - level);
-  const Vertex first = tile_start_[tile];
-  const Vertex count = tile_start_[tile + tiles] - first;
+/// The 2^(bits - level) tiles that begin with `tile`. At least two sites. A tile that is still crowded gets a
+/// grid of its own, unless it has most sites of this grid: so every way down halves the number in a few
+/// steps, however the sites are spread.
+Hull BucketKernel::conquer_tiles(const Grid &grid, std::size_t tile, unsigned level) {
+  const LocalIndex *const start = tile_start_.data() + grid.start + tile;
+  const std::size_t tiles = std::size_t{1} << (grid.bits - level);
+  const Vertex first = start[0];
+  const Vertex count = start[tiles] - first;
   if (count <= few)
     return conquer_few(first, count);
-  if (level == bits_)
-    return conquer_by_median(first, count);
-  const Vertex left_count = tile_start_[tile + tiles / 2] - first;
+  if (level == grid.bits)
+    return 2 * count > grid.sites ? conquer_by_median(first, count) : conquer_in_grid(first, count);
+  const Vertex left_count = start[tiles / 2] - first;
   if (left_count == 0)
-    return conquer_tiles(tile + tiles / 2, level + 1);
+    return conquer_tiles(grid, tile + tiles / 2, level + 1);
   if (left_count == count)
-    return conquer_tiles(tile, level + 1);
+    return conquer_tiles(grid, tile, level + 1);
   if (left_count == 1 || left_count == count - 1)
     return conquer_by_median(first, count);
-  const Hull left = conquer_tiles(tile, level + 1);
-  const Hull right = conquer_tiles(tile + tiles / 2, level + 1);
-  return sphere_.merge(left, right, axis_of_level_[level], 6 * (first + left_count) - 6);
+  const Hull left = conquer_tiles(grid, tile, level + 1);
+  const Hull right = conquer_tiles(grid, tile + tiles / 2, level + 1);
+  return sphere_.merge(left, right, grid.axis(level), 6 * (first + left_count) - 6);
 }
 
 /// Sorts up to `lanes` sites by a coordinate rounded to 26 bits, without a branch on their values: each goes
@@ -203,8 +243,8 @@ Hull BucketKernel::conquer_few(Vertex first, Vertex count) {
   const Box box = box_of(first, count);
   const unsigned axis = box.longer_side();
   const Vertex half = half_of(count);
-  const double least = axis == 0 ? box.low.x : box.low.y;
-  const double greatest = axis == 0 ? box.high.x : box.high.y;
+  const double least = axis == 0 ? box.low[0] : box.low[1];
+  const double greatest = axis == 0 ? box.high[0] : box.high[1];
   if (!fixed_point_is_safe() ||
       !(count <= few / 2 ? sort_by_rank<few / 2>(first, count, half, axis, least, greatest)
                          : sort_by_rank<few>(first, count, half, axis, least, greatest)))
@@ -216,22 +256,14 @@ Hull BucketKernel::conquer_few(Vertex first, Vertex count) {
 
 /// The way that always works: an exact median, ties by the other coordinate. At least four sites.
 Hull BucketKernel::conquer_by_median(Vertex first, Vertex count) {
+  to_scratch(first, count);
   const std::span<Numbered> sites = std::span(scratch_).first(static_cast<std::size_t>(count));
-  for (std::size_t i = 0; i < sites.size(); ++i)
-    sites[i] = {point(first)[i], index(first)[i]};
-  const Box box = box_of(first, count);
-  const unsigned axis = box.longer_side();
+  const unsigned axis = box_of(first, count).longer_side();
   const Vertex half = count <= few ? half_of(count) : count / 2;
   std::ranges::nth_element(sites, sites.begin() + half, [axis](const Numbered &a, const Numbered &b) {
     return less_along(a.point, b.point, axis);
   });
-  for (std::size_t i = 0; i < sites.size(); ++i) {
-    point(first)[i] = sites[i].point;
-    index(first)[i] = sites[i].index;
-  }
-  const auto conquer = [this](Vertex from, Vertex size) {
-    return size <= few ? conquer_few(from, size) : conquer_by_median(from, size);
-  };
+  from_scratch(first, count);
   const Hull left = conquer(first, half);
   const Hull right = conquer(first + half, count - half);
   return sphere_.merge(left, right, axis, 6 * (first + half) - 6);

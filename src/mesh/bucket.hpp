@@ -4,7 +4,7 @@
 
 #include "sphere.hpp"
 
-#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -24,6 +24,20 @@ struct NearSites {
   }
 };
 
+/// Both coordinates at once, in the lanes of a vector.
+struct Box {
+  Pair low;
+  Pair high;
+
+  explicit Box(Point p) : low{p.x, p.y}, high{p.x, p.y} {}
+  void add(Point p) {
+    const Pair both{p.x, p.y};
+    low = least(low, both);
+    high = greatest(high, both);
+  }
+  unsigned longer_side() const { return high[1] - low[1] > high[0] - low[0] ? 1 : 0; }
+};
+
 /// Works on one bucket after another in the same memory.
 class BucketKernel {
 public:
@@ -41,25 +55,31 @@ private:
     LocalIndex index;
   };
 
-  struct Box {
-    Point low;
-    Point high;
-    void add(Point p) {
-      low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-    }
-    unsigned longer_side() const { return high.y - low.y > high.x - low.x ? 1 : 0; }
+  /// Tiles of a grid over some of the sites, numbered so that halving a range of them is a cut across the
+  /// longer side.
+  struct Grid {
+    std::size_t start;  ///< of its tiles in tile_start_
+    unsigned bits;      ///< there are 2^bits tiles
+    std::uint64_t axes; ///< bit i: the axis of the cuts at level i
+    Vertex sites;
+
+    unsigned axis(unsigned level) const { return static_cast<unsigned>(axes >> level & 1); }
   };
 
   /// Differences of coordinates do not overflow.
   bool fixed_point_is_safe() const { return guard_ < no_filter; }
-  void gather();
-  void sort_into_tiles();
-  Hull conquer_tiles(std::size_t tile, unsigned level);
+  Box gather();
+  Hull conquer(Vertex first, Vertex count);
+  Hull conquer_in_grid(Vertex first, Vertex count);
+  Hull conquer_scratch(Vertex first, Vertex count, const Box &box);
+  Grid sort_into_tiles(Vertex first, Vertex count, const Box &box);
+  Hull conquer_tiles(const Grid &grid, std::size_t tile, unsigned level);
   Hull conquer_few(Vertex first, Vertex count);
   template <std::size_t lanes>
   bool sort_by_rank(Vertex first, Vertex count, Vertex half, unsigned axis, double low, double high);
   Hull conquer_by_median(Vertex first, Vertex count);
+  void to_scratch(Vertex first, Vertex count);
+  void from_scratch(Vertex first, Vertex count);
   Box box_of(Vertex first, Vertex count);
 
   Point *point(Vertex v) { return points_.data() + (v - first_); }
@@ -74,13 +94,12 @@ private:
   Vertex first_ = 0;
   Vertex count_ = 0;
   Sphere<NearSites> sphere_{};
-  Box box_{};
-  std::vector<Point> points_;           ///< of the bucket, in cut order, and the point at infinity
-  std::vector<Numbered> scratch_;       ///< the bucket before it is sorted
-  std::vector<std::uint32_t> key_;      ///< tiles of the sites before they are sorted
-  std::vector<LocalIndex> tile_start_;  ///< first vertex of each tile, and the end
-  unsigned bits_ = 0;                   ///< there are 2^bits tiles
-  std::vector<unsigned> axis_of_level_; ///< of the cuts between tiles
+  std::vector<Point> points_;          ///< of the bucket, in cut order, and the point at infinity
+  std::vector<Numbered> scratch_;      ///< sites before they are sorted
+  std::vector<std::uint32_t> key_;     ///< and their tiles
+  std::vector<LocalIndex> tile_start_; ///< of the grids at work, one within a tile of another: the first
+                                       ///< vertex of each tile, and the end
+  std::array<std::vector<std::uint32_t>, 2> spread_; ///< [axis][tile along the axis]: bits of a tile's number
 };
 
 } // namespace dovetail::divide_and_conquer

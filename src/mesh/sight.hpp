@@ -48,6 +48,22 @@ inline constexpr Point far_away{0x1p400, 0.0};
 /// Lane 0 belongs to the left side of the seam, lane 1 to the right.
 typedef double Pair __attribute__((vector_size(16)));
 
+/// Lane by lane, of finite numbers.
+inline Pair least(Pair a, Pair b) {
+#ifdef __SSE2__
+  return _mm_min_pd(a, b);
+#else
+  return {a[0] < b[0] ? a[0] : b[0], a[1] < b[1] ? a[1] : b[1]};
+#endif
+}
+inline Pair greatest(Pair a, Pair b) {
+#ifdef __SSE2__
+  return _mm_max_pd(a, b);
+#else
+  return {a[0] > b[0] ? a[0] : b[0], a[1] > b[1] ? a[1] : b[1]};
+#endif
+}
+
 /// One bit a lane: is it negative?
 inline unsigned negative_lanes(Pair value) {
 #ifdef __SSE2__
