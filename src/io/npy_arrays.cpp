@@ -81,7 +81,7 @@ std::vector<std::string> npy_array_files(const std::string &path) {
 std::vector<std::string> write_npy_arrays(const Communicator &comm, const DistributedMesh &mesh,
                                           const std::string &path, const MeshWriting &writing) {
   const int columns = 2 + static_cast<int>(gather_attribute_names(comm, mesh).size());
-  const std::vector<std::string> names = npy_array_files(path);
+  std::vector<std::string> names = npy_array_files(path);
   Arrays arrays{headers_of(mesh, columns), {}, nullptr, writing.buffer_bytes};
   for (const Array array : {points, index, neighbours})
     arrays.parts.push_back(std::make_unique<OutputFile>(comm, names[array]));

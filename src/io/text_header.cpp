@@ -217,8 +217,8 @@ PointFile read_text_header(const InputFile &file) {
   std::optional<Line> line = lines.next();
   std::optional<Line> names;
   if (line && is_line_of_names(*line)) {
+    result.first_byte = line->end;
     names = std::exchange(line, lines.next());
-    result.first_byte = names->end;
   }
   result.named = names.has_value();
   if (!line && !names)

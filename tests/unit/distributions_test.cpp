@@ -264,8 +264,10 @@ TEST(Distributions, LatticeIsAPermutationOfTheExactSet) {
     std::set<std::pair<double, double>> made, wanted;
     for (const Point p : all_points(Distribution::lattice, n))
       made.insert({p.x, p.y});
-    for (GlobalIndex i = 0; i < n; ++i)
-      wanted.insert({static_cast<double>(i % columns), static_cast<double>(i / columns)});
+    for (GlobalIndex i = 0; i < n; ++i) {
+      const GlobalIndex column = i % columns, row = i / columns;
+      wanted.insert({static_cast<double>(column), static_cast<double>(row)});
+    }
     EXPECT_EQ(made, wanted) << n;
   }
 }
