@@ -44,6 +44,7 @@ void add_class_option(CLI::App &parser, std::vector<int> &classes);
 /// "auto, x, y", say.
 template <class Value> std::string names_in(const std::map<std::string, Value> &words) {
   std::vector<std::string> names;
+  names.reserve(words.size());
   for (const auto &[name, value] : words)
     names.push_back(name);
   return joined(names, ", ");

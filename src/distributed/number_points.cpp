@@ -14,6 +14,7 @@ namespace {
 
 std::vector<std::string> attribute_names(const PointTable &table) {
   std::vector<std::string> names;
+  names.reserve(table.attributes.size());
   for (const Attribute &attribute : table.attributes)
     names.push_back(attribute.name);
   return names;

@@ -127,6 +127,7 @@ void shift(const Communicator &comm, PointTable &table, Axis axis,
   const auto count = static_cast<GlobalIndex>(table.points.size());
   const GlobalIndex begin = exclusive_scan(comm, count);
   std::vector<std::int64_t> cuts;
+  cuts.reserve(rank_begins.size());
   for (const GlobalIndex rank_begin : rank_begins)
     cuts.push_back(std::clamp<GlobalIndex>(rank_begin - begin, 0, count));
   redistribute(comm, table, axis, differences(cuts));

@@ -37,6 +37,7 @@ void number_triangles(const Communicator &comm, DistributedMesh &mesh) {
       comm, [&] { return fmt::format("the table of {} slabs", mesh.slab_count()); },
       [&] {
         std::vector<GlobalIndex> own;
+        own.reserve(mesh.slabs.size());
         for (const SlabMesh &slab : mesh.slabs)
           own.push_back(slab.triangles.triangle_count());
         return own;

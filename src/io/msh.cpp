@@ -181,6 +181,7 @@ void write_slab(OutputFile &file, const Layout &layout, const DistributedMesh &m
 std::vector<std::string> write_msh(const Communicator &comm, const DistributedMesh &mesh,
                                    const std::string &path, const MeshWriting &writing) {
   std::vector<Box> own;
+  own.reserve(mesh.slabs.size());
   for (const SlabMesh &slab : mesh.slabs)
     own.push_back(box_of(slab));
   const Layout layout = layout_of(mesh, all_gather_bulk<Box>(comm, own).data);

@@ -38,7 +38,8 @@ struct Input {
 };
 
 Point lattice_point(std::int64_t i, std::int64_t columns) {
-  return {static_cast<double>(i % columns) - 3, static_cast<double>(i / columns)};
+  const std::int64_t column = i % columns, row = i / columns;
+  return {static_cast<double>(column) - 3, static_cast<double>(row)};
 }
 
 std::vector<Input> small_inputs() {
@@ -280,9 +281,11 @@ TEST(Slabs, PresortedPointsAreTakenAndTheFirstOffenderNamed) {
   const Communicator comm = world();
   for (const Axis axis : {Axis::x, Axis::y}) {
     std::vector<Point> points;
-    for (int i = 0; i < 200; ++i) // equal pairs, and columns of ten sites
-      points.push_back(axis == Axis::x ? Point{static_cast<double>(i / 20), static_cast<double>(i / 2 % 10)}
-                                       : Point{static_cast<double>(i / 2 % 10), static_cast<double>(i / 20)});
+    for (int i = 0; i < 200; ++i) { // equal pairs, and columns of ten sites
+      const int column = i / 20, row = i / 2 % 10;
+      const auto across = static_cast<double>(column), along = static_cast<double>(row);
+      points.push_back(axis == Axis::x ? Point{across, along} : Point{along, across});
+    }
     SlabOptions options;
     options.slabs = 7;
     options.presorted = true;
@@ -345,7 +348,7 @@ TEST(Slabs, AxisFollowsThePathsAndNotTheRanks) {
   // Rows of a lattice as long as the blocks of the sample must not look like one column.
   points.resize(300 * 300);
   for (std::size_t i = 0; i < points.size(); ++i)
-    points[i] = {static_cast<double>(i % 300), static_cast<double>(i / 300)};
+    points[i] = lattice_point(static_cast<std::int64_t>(i), 300);
   EXPECT_EQ(axis_of(points, spreads[0]), Axis::x) << "lattice by rows";
   EXPECT_EQ(axis_of({}, spreads[0]), Axis::x);
 }
