@@ -111,7 +111,8 @@ TEST(LargeAdversaries, Valid) {
   for (int i = 0; i < 8'000; ++i) {
     const double u = uniform(random);
     const double v = uniform(random);
-    decimal.push_back({0.1 * (i % 90), 0.1 * (i / 90)});
+    const int column = i % 90, row = i / 90;
+    decimal.push_back({0.1 * column, 0.1 * row});
     vertical.push_back({0.25, u});
     cross.push_back(i % 2 == 0 ? Point{0, u - 0.5} : Point{v - 0.5, 0});
     ulps.push_back({1 + 0x1p-52 * std::floor(100 * u), 1 + 0x1p-52 * std::floor(100 * v)});
