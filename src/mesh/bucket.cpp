@@ -36,17 +36,20 @@ Box BucketKernel::box_of(Vertex first, Vertex count) {
   return box;
 }
 
-Hull BucketKernel::triangulate(Vertex first, Vertex count, Vertex far_ghost) {
+Hull BucketKernel::triangulate(Vertex first, Vertex count, LocalIndex far_ghost) {
   first_ = first;
   count_ = count;
   const Box box = gather();
   sphere_ = {{points_.data(), first}, corner_, twin_, first + count, guard_};
   const Hull hull = conquer_scratch(first, count, box);
-  HalfEdge ghost = hull.first[0];
-  do {
-    corner_[ghost] = narrow(far_ghost);
-    ghost = sphere_.ghost_after(ghost);
-  } while (ghost != hull.first[0]);
+  // All is still in the cache, so here the corners get their final numbers.
+  const LocalIndex behind = *index(first + count);
+  *index(first + count) = far_ghost;
+  const LocalIndex *const site = order_.data();
+  for (LocalIndex *six = corner_ + 6 * first; six < corner_ + 6 * (first + count) - 6; six += 6)
+    for (unsigned i = 0; i < 6; ++i)
+      six[i] = site[six[i]];
+  *index(first + count) = behind;
   return hull;
 }
 

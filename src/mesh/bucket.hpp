@@ -46,8 +46,9 @@ public:
       : sites_(sites), order_(order), corner_(corner), twin_(twin), guard_(guard) {}
 
   /// Triangulates the sites order[first] .. order[first + count - 1], which it puts into an order of its own;
-  /// count >= 2. Their point at infinity is `far_ghost` afterwards.
-  Hull triangulate(Vertex first, Vertex count, Vertex far_ghost);
+  /// count >= 2. Afterwards corners are numbers of sites, and the point at infinity is `far_ghost`. `order`
+  /// has one element more than there are sites, for the kernel to work with.
+  Hull triangulate(Vertex first, Vertex count, LocalIndex far_ghost);
 
 private:
   struct Numbered {

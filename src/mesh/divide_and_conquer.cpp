@@ -15,15 +15,14 @@ namespace {
 
 using namespace divide_and_conquer;
 
-constexpr Vertex far_ghost = none;
+constexpr LocalIndex far_ghost = none;
 constexpr LocalIndex beyond = none; ///< twin of a hull edge once the ghosts are gone
 constexpr std::size_t bucket_sites = 8192;
 
 /// The sites of the whole where they are in the input.
 struct FarSites {
   const Point *sites;
-  const LocalIndex *order;
-  Point operator[](Vertex v) const { return v == far_ghost ? far_away : sites[order[v]]; }
+  Point operator[](Vertex v) const { return v == far_ghost ? far_away : sites[v]; }
 };
 
 /// Merges the leaves of the first cuts.
@@ -32,6 +31,16 @@ struct Conquest {
   const std::vector<LocalIndex> &start;
   BucketKernel &buckets;
   Sphere<FarSites> sphere;
+  Triangulation &mesh;
+
+  /// A vector sets to zero what it grows by. Growing by a bucket, within room that is reserved, leaves it in
+  /// the cache for what is written next.
+  Hull triangulate(Vertex first, Vertex count) const {
+    const auto end = static_cast<std::size_t>(6 * (first + count) - 6);
+    mesh.corners.resize(std::max(mesh.corners.size(), end));
+    mesh.neighbours.resize(end);
+    return buckets.triangulate(first, count, far_ghost);
+  }
 
   /// The part of a branch or leaf, whose leaves begin with `leaf` and number `leaves`; at least two
   /// sites.
@@ -39,7 +48,7 @@ struct Conquest {
     const Vertex first = start[leaf];
     const Vertex count = start[leaf + leaves] - first;
     if (leaves == 1)
-      return buckets.triangulate(first, count, far_ghost);
+      return triangulate(first, count);
     const std::size_t middle = leaf + leaves / 2;
     const Vertex left_count = start[middle] - first;
     if (left_count == 0)
@@ -47,7 +56,7 @@ struct Conquest {
     if (left_count == count)
       return conquer(2 * branch, leaf, leaves / 2);
     if (left_count == 1 || left_count == count - 1)
-      return buckets.triangulate(first, count, far_ghost);
+      return triangulate(first, count);
     const Hull left = conquer(2 * branch, leaf, leaves / 2);
     const Hull right = conquer(2 * branch + 1, middle, leaves / 2);
     return sphere.merge(left, right, tree.axis[branch], 6 * (first + left_count) - 6);
@@ -86,20 +95,19 @@ LocalIndex drop_ghosts(const Sphere<FarSites> &sphere, HalfEdge ghost, LocalInde
   return kept;
 }
 
-/// From half-edges and cut order to the neighbours and site numbers of a Triangulation, in place.
-void renumber(Triangulation &mesh, std::span<const LocalIndex> order) {
-  const LocalIndex *site = order.data();
-  for (LocalIndex &corner : mesh.corners)
-    corner = site[corner];
+/// From half-edges to the neighbours of a Triangulation, in place.
+void number_neighbours(Triangulation &mesh) {
   for (LocalIndex &twin : mesh.neighbours) // `beyond` stays `none`, without a branch
     twin = static_cast<LocalIndex>(static_cast<std::uint32_t>(twin) / 3) | (twin >> 31);
 }
 
 double guard_for(std::span<const Point> sites) {
-  double greatest = 0;
+  Box box(sites.front());
   for (const Point &p : sites)
-    greatest = std::max({greatest, std::fabs(p.x), std::fabs(p.y)});
-  return greatest <= greatest_filtered_coordinate ? sight_guard : no_filter;
+    box.add(p);
+  const Pair least = -box.low;
+  const double reach = std::max({box.high[0], box.high[1], least[0], least[1]});
+  return reach <= greatest_filtered_coordinate ? sight_guard : no_filter;
 }
 
 } // namespace
@@ -114,20 +122,19 @@ Triangulation delaunay(std::span<const Point> sites) {
   Triangulation mesh;
   reserve_huge(mesh.corners, 6 * n - 6);
   reserve_huge(mesh.neighbours, 6 * n - 6);
-  mesh.corners.resize(6 * n - 6);
-  mesh.neighbours.resize(6 * n - 6);
-  std::vector<LocalIndex> order(n);
+  std::vector<LocalIndex> order(n + 1);
+  mesh.corners.resize(n);
   const MedianTree tree = median_tree(sites, static_cast<unsigned>(std::bit_width(n / bucket_sites)));
   const std::vector<LocalIndex> start = sort_into_leaves(tree, sites, order, mesh.corners);
   const double guard = guard_for(sites);
   BucketKernel buckets(sites, order, mesh.corners.data(), mesh.neighbours.data(), guard);
   const Sphere<FarSites> sphere{
-      {sites.data(), order.data()}, mesh.corners.data(), mesh.neighbours.data(), far_ghost, guard};
-  const Hull hull = Conquest{tree, start, buckets, sphere}.conquer(1, 0, tree.leaves());
+      {sites.data()}, mesh.corners.data(), mesh.neighbours.data(), far_ghost, guard};
+  const Hull hull = Conquest{tree, start, buckets, sphere, mesh}.conquer(1, 0, tree.leaves());
   const LocalIndex triangles = drop_ghosts(sphere, hull.first[0], static_cast<LocalIndex>(2 * n - 2));
   mesh.corners.resize(3 * static_cast<std::size_t>(triangles));
   mesh.neighbours.resize(3 * static_cast<std::size_t>(triangles));
-  renumber(mesh, order);
+  number_neighbours(mesh);
   return mesh;
 }
 
