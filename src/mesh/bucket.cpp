@@ -40,7 +40,7 @@ Hull BucketKernel::triangulate(Vertex first, Vertex count, LocalIndex far_ghost)
   first_ = first;
   count_ = count;
   const Box box = gather();
-  sphere_ = {{points_.data(), first}, corner_, twin_, first + count, guard_};
+  sphere_ = {{points_.data(), first}, corner_, twin_, first + count, filter_};
   const Hull hull = conquer_scratch(first, count, box);
   // All is still in the cache, so here the corners get their final numbers.
   const LocalIndex behind = *index(first + count);
@@ -183,7 +183,7 @@ Hull BucketKernel::conquer_tiles(const Grid &grid, std::size_t tile, unsigned le
   if (count <= few)
     return conquer_few(first, count);
   if (level == grid.bits)
-    return 2 * count > grid.sites ? conquer_by_median(first, count) : conquer_in_grid(first, count);
+    return 8 * count > 7 * grid.sites ? conquer_by_median(first, count) : conquer_in_grid(first, count);
   const Vertex left_count = start[tiles / 2] - first;
   if (left_count == 0)
     return conquer_tiles(grid, tile + tiles / 2, level + 1);

@@ -42,8 +42,8 @@ struct Box {
 class BucketKernel {
 public:
   BucketKernel(std::span<const Point> sites, std::span<LocalIndex> order, LocalIndex *corner,
-               LocalIndex *twin, double guard)
-      : sites_(sites), order_(order), corner_(corner), twin_(twin), guard_(guard) {}
+               LocalIndex *twin, const Filter &filter)
+      : sites_(sites), order_(order), corner_(corner), twin_(twin), filter_(filter) {}
 
   /// Triangulates the sites order[first] .. order[first + count - 1], which it puts into an order of its own;
   /// count >= 2. Afterwards corners are numbers of sites, and the point at infinity is `far_ghost`. `order`
@@ -68,7 +68,7 @@ private:
   };
 
   /// Differences of coordinates do not overflow.
-  bool fixed_point_is_safe() const { return guard_ < no_filter; }
+  bool fixed_point_is_safe() const { return filter_.decides(); }
   Box gather();
   Hull conquer(Vertex first, Vertex count);
   Hull conquer_in_grid(Vertex first, Vertex count);
@@ -90,7 +90,7 @@ private:
   std::span<LocalIndex> order_;
   LocalIndex *corner_;
   LocalIndex *twin_;
-  double guard_;
+  Filter filter_;
 
   Vertex first_ = 0;
   Vertex count_ = 0;

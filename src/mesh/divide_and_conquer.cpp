@@ -101,13 +101,44 @@ void number_neighbours(Triangulation &mesh) {
     twin = static_cast<LocalIndex>(static_cast<std::uint32_t>(twin) / 3) | (twin >> 31);
 }
 
-double guard_for(std::span<const Point> sites) {
+/// The greatest power of two of which all coordinates are multiples, or zero if it is too small to be of use:
+/// then a look at few sites is enough to tell. `reach` is the greatest coordinate.
+double common_unit(std::span<const Point> sites, double reach) {
+  constexpr double longest = 0x1p40; // in units
+  constexpr double to_integer = 0x1.8p52;
+  constexpr double least = 0x1p-200;
+  if (!(reach >= least))
+    return 0;
+  double unit = std::exp2(std::ilogb(reach));
+  for (const Point &p : sites)
+    for (;;) {
+      const Pair at{p.x, p.y};
+      const Pair back = ((at * (1 / unit) + to_integer) - to_integer) * unit; // unless the product underflows
+      if ((back[0] == at[0]) & (back[1] == at[1])) [[likely]]
+        break;
+      unit /= 2;
+      if (unit < least || reach / unit > longest)
+        return 0;
+    }
+  return unit;
+}
+
+Filter filter_for(std::span<const Point> sites) {
   Box box(sites.front());
   for (const Point &p : sites)
     box.add(p);
   const Pair least = -box.low;
   const double reach = std::max({box.high[0], box.high[1], least[0], least[1]});
-  return reach <= greatest_filtered_coordinate ? sight_guard : no_filter;
+  if (!(reach <= greatest_filtered_coordinate))
+    return {};
+  Filter filter;
+  filter.guard = sight_guard;
+  if (const double unit = common_unit(sites, reach); unit > 0) {
+    const Pair size = box.high - box.low;
+    filter.exact_z = exact_circle_z * unit * unit;
+    filter.turns_are_exact = size[0] * size[0] + size[1] * size[1] <= exact_turn_z * unit * unit;
+  }
+  return filter;
 }
 
 } // namespace
@@ -126,10 +157,10 @@ Triangulation delaunay(std::span<const Point> sites) {
   mesh.corners.resize(n);
   const MedianTree tree = median_tree(sites, static_cast<unsigned>(std::bit_width(n / bucket_sites)));
   const std::vector<LocalIndex> start = sort_into_leaves(tree, sites, order, mesh.corners);
-  const double guard = guard_for(sites);
-  BucketKernel buckets(sites, order, mesh.corners.data(), mesh.neighbours.data(), guard);
+  const Filter filter = filter_for(sites);
+  BucketKernel buckets(sites, order, mesh.corners.data(), mesh.neighbours.data(), filter);
   const Sphere<FarSites> sphere{
-      {sites.data()}, mesh.corners.data(), mesh.neighbours.data(), far_ghost, guard};
+      {sites.data()}, mesh.corners.data(), mesh.neighbours.data(), far_ghost, filter};
   const Hull hull = Conquest{tree, start, buckets, sphere, mesh}.conquer(1, 0, tree.leaves());
   const LocalIndex triangles = drop_ghosts(sphere, hull.first[0], static_cast<LocalIndex>(2 * n - 2));
   mesh.corners.resize(3 * static_cast<std::size_t>(triangles));

@@ -192,7 +192,7 @@ Hull Sphere<Sites>::merge_along(const Hull &left, const Hull &right, HalfEdge sp
   const double width = axis == 0 ? high_axis.x - low_axis.x : high_axis.y - low_axis.y;
   const double height = axis == 0 ? high_other.y - low_other.y : high_other.x - low_other.x;
   const double greatest_z = width * width + height * height;
-  const Bounds bounds = bounds_for(greatest_z, greatest_z, guard);
+  const Bounds bounds = filter.bounds(greatest_z, greatest_z);
   const Pair height_bound{bounds.height, bounds.height};
   const Pair circle_bound{bounds.circle, bounds.circle};
 
@@ -227,11 +227,18 @@ Hull Sphere<Sites>::merge_along(const Hull &left, const Hull &right, HalfEdge sp
     unsigned below_base = negative_lanes(next.im);
     unsigned inside = 3 & ~(below_base | negative_lanes(circle));
     if (!all_lanes_beyond(next.im, height_bound, circle, circle_bound)) [[unlikely]] {
-      if (lanes_beyond(next.im, height_bound) != 3)
+      unsigned unsure = 3 & ~lanes_beyond(circle, circle_bound);
+      if (lanes_beyond(next.im, height_bound) != 3) {
         below_base = (turn(l, r, rim_l.next) == Sign::positive ? 0U : 1U) |
                      (turn(l, r, rim_r.next) == Sign::positive ? 0U : 2U);
-      inside = ((below_base & 1) == 0 && is_inside(l, r, rim_l.next, rim_l.apex) ? 1U : 0U) |
-               ((below_base & 2) == 0 && is_inside(l, r, rim_r.next, rim_r.apex) ? 2U : 0U);
+        unsure = 3; // the sign of the height is all that tells that infinity is outside
+      }
+      unsure &= ~below_base;
+      inside = 3 & ~(below_base | negative_lanes(circle) | unsure);
+      if ((unsure & 1) != 0 && is_inside(l, r, rim_l.next, rim_l.apex))
+        inside |= 1;
+      if ((unsure & 2) != 0 && is_inside(l, r, rim_r.next, rim_r.apex))
+        inside |= 2;
     }
     if (inside != 0) {
       if ((inside & 1) != 0)

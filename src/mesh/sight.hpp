@@ -28,6 +28,7 @@
 
 #include "dovetail/base/types.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -40,6 +41,14 @@ namespace dovetail::divide_and_conquer {
 inline constexpr double greatest_filtered_coordinate = 0x1p200;
 inline constexpr double sight_guard = 0x1p-600;
 inline constexpr double no_filter = std::numeric_limits<double>::infinity();
+
+/// Where all coordinates are multiples of a power of two, differences of sites near each other are short
+/// integers, and nothing is rounded at all. With |z| <= 2^26 units^2 for every site, each product of two
+/// differences is at most 2^26, each product of two parts of z at most 2^52 and the determinant, at most
+/// |z(p)| |z(q)|, too: its sign is right, and a zero is a tie. Likewise an orientation alone, with |z| <=
+/// 2^52 units^2. Units of at least 2^-200 keep clear of underflow.
+inline constexpr double exact_circle_z = 0x1p26;
+inline constexpr double exact_turn_z = 0x1p52;
 
 /// Stands in for the point at infinity: so far from all filtered coordinates that the filter certifies it
 /// outside of every circle over a base.
@@ -115,8 +124,17 @@ struct Bounds {
   double circle;
 };
 
-inline Bounds bounds_for(double z, double other_z, double guard) {
-  return {0x1p-50 * z + guard, 0x1p-48 * (z * other_z) + guard};
-}
+struct Filter {
+  double guard = no_filter;
+  double exact_z = -1;          ///< no rounding where every |z| is at most this
+  bool turns_are_exact = false; ///< no rounding in the orientation of any three sites
+
+  Bounds bounds(double z, double other_z) const {
+    if (std::max(z, other_z) <= exact_z)
+      return {0, 0};
+    return {0x1p-50 * z + guard, 0x1p-48 * (z * other_z) + guard};
+  }
+  bool decides() const { return guard < no_filter; }
+};
 
 } // namespace dovetail::divide_and_conquer

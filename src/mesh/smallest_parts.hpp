@@ -160,7 +160,7 @@ template <class Sites> bool Sphere<Sites>::four_sites(Vertex first, Hull &hull) 
   const double missing_2 = x[0] * y[2] - y[0] * x[2];
   const double missing_1 = x[1] * y[2] - y[1] * x[2];
   const double missing_0 = missing_1 - missing_2 + missing_3;
-  const double bound = 0x1p-48 * size + guard;
+  const double bound = 0x1p-48 * size + filter.guard;
   if (!((std::fabs(missing_0) > bound) & (std::fabs(missing_1) > bound) & (std::fabs(missing_2) > bound) &
         (std::fabs(missing_3) > bound)))
     return false;

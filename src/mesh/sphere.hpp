@@ -26,6 +26,7 @@
 #include "dovetail/geometry/predicates.hpp"
 #include "sight.hpp"
 
+#include <algorithm>
 #include <cstdint>
 
 namespace dovetail::divide_and_conquer {
@@ -55,7 +56,7 @@ template <class Sites> struct Sphere {
   LocalIndex *corner;
   LocalIndex *twin;
   Vertex infinity;
-  double guard; ///< of the filter: see sight.hpp
+  Filter filter;
 
   static HalfEdge triangle_of(HalfEdge h) {
     return static_cast<HalfEdge>(static_cast<std::uint32_t>(h) / 3) * 3;
@@ -82,8 +83,10 @@ template <class Sites> struct Sphere {
   /// The ghost beyond the hull edge u -> v.
   void set_ghost(HalfEdge ghost, Vertex u, Vertex v) const { set_corners(ghost, infinity, v, u); }
 
-  Sign turn(Vertex a, Vertex b, Vertex c) const { return orientation(site[a], site[b], site[c]); }
+  Sign turn(Vertex a, Vertex b, Vertex c) const { return turn(site[a], site[b], site[c]); }
+  Sign turn(Point a, Point b, Point c) const;
   bool is_inside(Vertex l, Vertex r, Vertex p, Vertex q) const;
+  bool tie_is_inside(Point l, Point r, Point p, Point q) const;
 
   Hull two_sites(Vertex first) const;
   Hull three_sites(Vertex first) const;
@@ -95,6 +98,13 @@ template <class Sites> struct Sphere {
   template <unsigned axis> Hull merge_along(const Hull &left, const Hull &right, HalfEdge spare) const;
 };
 
+template <class Sites> Sign Sphere<Sites>::turn(Point a, Point b, Point c) const {
+  if (!filter.turns_are_exact)
+    return orientation(a, b, c);
+  const double height = look(c, a, b).im;
+  return height > 0 ? Sign::positive : height < 0 ? Sign::negative : Sign::zero;
+}
+
 /// Is q inside the circle of l, r, p, where p is above l -> r? For what the bounds of a merge do not decide.
 template <class Sites>
 [[gnu::noinline]] bool Sphere<Sites>::is_inside(Vertex l, Vertex r, Vertex p, Vertex q) const {
@@ -103,12 +113,23 @@ template <class Sites>
   const Sight p_seen = look(site[p], site[l], site[r]);
   const Sight q_seen = look(site[q], site[l], site[r]);
   const double determinant = circle_determinant(p_seen, q_seen);
-  const double bound = bounds_for(std::fabs(p_seen.re) + std::fabs(p_seen.im),
-                                  std::fabs(q_seen.re) + std::fabs(q_seen.im), guard)
-                           .circle;
-  if (std::fabs(determinant) > bound)
+  const double p_size = std::fabs(p_seen.re) + std::fabs(p_seen.im);
+  const double q_size = std::fabs(q_seen.re) + std::fabs(q_seen.im);
+  if (std::fabs(determinant) > filter.bounds(p_size, q_size).circle)
     return determinant > 0;
+  if (std::max(p_size, q_size) <= filter.exact_z)
+    return tie_is_inside(site[l], site[r], site[p], site[q]);
   return in_circle(site[l], site[r], site[p], site[q]) == Sign::positive;
+}
+
+/// The same for four that are known to be on one circle, by the rule of in_circle: the height of the greatest
+/// site decides.
+template <class Sites> bool Sphere<Sites>::tie_is_inside(Point l, Point r, Point p, Point q) const {
+  const Point greatest_base = lexicographically_less(l, r) ? r : l;
+  const Point greatest_apex = lexicographically_less(p, q) ? q : p;
+  if (lexicographically_less(greatest_base, greatest_apex))
+    return greatest_apex == p && turn(l, r, q) == Sign::positive;
+  return greatest_base == l ? turn(q, r, p) == Sign::positive : turn(l, q, p) == Sign::positive;
 }
 
 } // namespace dovetail::divide_and_conquer

@@ -107,12 +107,16 @@ TEST(LargeAdversaries, Valid) {
   };
   std::mt19937_64 random(9);
   std::uniform_real_distribution<double> uniform(0, 1);
-  std::vector<Point> decimal, vertical, cross, ulps, far, steep, scales;
+  std::vector<Point> decimal, coarse, turned, mixed, vertical, cross, ulps, far, steep, scales;
   for (int i = 0; i < 8'000; ++i) {
     const double u = uniform(random);
     const double v = uniform(random);
     const int column = i % 90, row = i / 90;
     decimal.push_back({0.1 * column, 0.1 * row});
+    // Short integers, so short that nothing is rounded, in small parts only.
+    coarse.push_back({97.0 * column, 97.0 * row});
+    turned.push_back({0.25 * (31 * column - 17 * row), 0.25 * (17 * column + 31 * row)});
+    mixed.push_back({std::floor(column + (i % 7 == 0 ? 0x1p38 : 0.0)), 1.0 * row});
     vertical.push_back({0.25, u});
     cross.push_back(i % 2 == 0 ? Point{0, u - 0.5} : Point{v - 0.5, 0});
     ulps.push_back({1 + 0x1p-52 * std::floor(100 * u), 1 + 0x1p-52 * std::floor(100 * v)});
@@ -123,6 +127,9 @@ TEST(LargeAdversaries, Valid) {
   }
   vertical.push_back({0.5, 0.5});
   check("decimal lattice", decimal);
+  check("coarse lattice", coarse);
+  check("turned lattice", turned);
+  check("two lattices far apart", mixed);
   check("all but one on a vertical", vertical);
   check("cross", cross);
   check("one ulp apart", ulps);
