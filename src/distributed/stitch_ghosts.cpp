@@ -89,6 +89,7 @@ void complete_ghosts(const Communicator &comm, const Owners &owners, Distributed
   const auto letters = collectively(comm, purpose, [&] {
     replies.reserve(asked.size());
     std::vector<Outgoing<Word>> back;
+    back.reserve(asked.size());
     for (const Incoming<GlobalIndex> &letter : asked)
       back.push_back({letter.rank, replies.emplace_back(records_of(mesh, letter.data))});
     return back;

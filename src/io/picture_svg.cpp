@@ -134,7 +134,7 @@ void write_svg(const Communicator &comm, const Scene &scene, const std::string &
        {std::pair(paper, casing_half_width(layout)), std::pair(path_colour, path_half_width(layout))}) {
     const std::string group = fmt::format("</g>\n<g fill=\"none\" stroke=\"{}\" stroke-width=\"{:.2f}\">\n",
                                           colour_text(colour), 2 * half_width);
-    output.add_from_root([&] { return group; });
+    output.add_from_root([&]() -> std::string { return group; });
     output.add([&] { return path_lines(scene); });
   }
   output.add_from_root([&] { return "</g>\n" + tail(layout); });
