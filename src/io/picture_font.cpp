@@ -74,7 +74,8 @@ bool dot_of(char character, int column, int row) {
                                       [](const Glyph &g, char c) { return g.character < c; });
   if (glyph == glyphs.end() || glyph->character != character) // a box for what the font does not have
     return row < 7 && (row == 0 || row == 6 || column == 0 || column == 4);
-  return ((glyph->rows[static_cast<std::size_t>(row)] >> static_cast<unsigned>(4 - column)) & 1U) != 0;
+  const unsigned dots = glyph->rows[static_cast<std::size_t>(row)];
+  return ((dots >> static_cast<unsigned>(4 - column)) & 1U) != 0;
 }
 
 } // namespace dovetail::picture
