@@ -25,7 +25,7 @@ int main(int argc, char **argv) {
           return Point{vertex.point().x(), vertex.point().y()};
         };
         constexpr std::array<LocalIndex, 3> corners{0, 1, 2};
-        benchmark::Result result{mesh.number_of_faces(), 0};
+        benchmark::Result result{mesh.number_of_faces(), 0, mesh.is_valid()};
         for (auto v = mesh.finite_vertices_begin(); v != mesh.finite_vertices_end(); ++v)
           result.checksum += checksum_of_sites(std::array{point_of(*v)});
         for (auto f = mesh.finite_faces_begin(); f != mesh.finite_faces_end(); ++f)

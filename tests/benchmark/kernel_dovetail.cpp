@@ -1,6 +1,7 @@
 #include "kernel_driver.hpp"
 
 #include "dovetail/mesh/divide_and_conquer.hpp"
+#include "dovetail/mesh/validate.hpp"
 
 using namespace dovetail;
 using Points = std::vector<Point>;
@@ -11,6 +12,7 @@ int main(int argc, char **argv) {
       [](const Points &sites) { return delaunay(sites); },
       [](const Points &sites, const Triangulation &mesh) {
         return benchmark::Result{mesh.corners.size() / 3,
-                                 checksum_of_sites(sites) + checksum_of_triangles(sites, mesh.corners)};
+                                 checksum_of_sites(sites) + checksum_of_triangles(sites, mesh.corners),
+                                 validate(sites, mesh).valid()};
       });
 }

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
+#include <new>
 #include <span>
 #include <string>
 #include <sys/resource.h>
@@ -20,7 +21,11 @@ namespace dovetail::benchmark {
 struct Result {
   std::size_t triangles;
   std::uint64_t checksum;
+  bool valid;
 };
+
+/// All that this program has asked for on the heap so far; see operator new below.
+inline std::size_t allocations = 0;
 
 inline double cpu_seconds() {
   timespec time{};
@@ -78,8 +83,9 @@ inline std::vector<Point> points_from(const std::string &source, GlobalIndex n, 
 }
 
 /// main() of a driver: PROGRAM SOURCE N [REPEATS [SEED]]. `prepare` gives the coordinates in the kernel's own
-/// form; `kernel` takes them to triangles and neighbours in memory: that is the timed region; `result_of` is
-/// outside it again. Sites in the order of the input, duplicates dropped.
+/// form; `kernel` takes them to triangles and neighbours in memory: that is the timed region; `result_of`,
+/// which validates, is outside it again. Sites in the order of the input, duplicates dropped. Allocations and
+/// peak memory are those of the first run.
 template <class Prepare, class Kernel, class ResultOf>
 int drive(int argc, char **argv, const char *name, Prepare prepare, Kernel kernel, ResultOf result_of) {
   if (argc < 3) {
@@ -96,21 +102,37 @@ int drive(int argc, char **argv, const char *name, Prepare prepare, Kernel kerne
   std::printf("{\"kernel\": \"%s\", \"source\": \"%s\", \"sites\": %zu, \"ns\": [", name, argv[1],
               input.size());
   std::size_t peak = 0;
+  std::size_t allocated = 0;
   for (int i = 0; i < repeats; ++i) {
+    const std::size_t allocated_before = allocations;
     const double start = cpu_seconds();
     const auto mesh = kernel(input);
     const double seconds = cpu_seconds() - start;
-    if (i == 0)
+    if (i == 0) {
+      allocated = allocations - allocated_before;
       peak = memory_bytes("VmHWM") - memory_before;
+    }
     std::printf("%s%.1f", i == 0 ? "" : ", ", 1e9 * seconds / sites);
     if (i + 1 == repeats) {
       const Result result = result_of(input, mesh);
-      std::printf("], \"peak_bytes\": %.1f, \"triangles\": %zu, \"checksum\": \"%s\"}\n",
-                  static_cast<double>(peak) / sites, result.triangles,
-                  checksum_text(result.checksum).c_str());
+      std::printf("], \"peak_bytes\": %.1f, \"allocations\": %zu, \"triangles\": %zu, \"checksum\": \"%s\", "
+                  "\"valid\": %s}\n",
+                  static_cast<double>(peak) / sites, allocated, result.triangles,
+                  checksum_text(result.checksum).c_str(), result.valid ? "true" : "false");
     }
   }
   return 0;
 }
 
 } // namespace dovetail::benchmark
+
+// Counted, and otherwise what the standard library does; the array and sized forms end here too. Not inline,
+// as the language demands: a driver is one translation unit.
+void *operator new(std::size_t size) {
+  ++dovetail::benchmark::allocations;
+  if (void *memory = std::malloc(size != 0 ? size : 1))
+    return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void *memory) noexcept { std::free(memory); }
+void operator delete(void *memory, std::size_t) noexcept { std::free(memory); }
