@@ -208,13 +208,11 @@ bool BucketKernel::sort_by_rank(Vertex first, Vertex count, Vertex half, unsigne
   const double scale = scale_of(low, high, 0x1p26);
   Point *const sites = point(first);
   LocalIndex *const numbers = index(first);
-  std::array<Point, lanes> old_sites;
-  std::array<LocalIndex, lanes> old_numbers;
+  std::array<Numbered, lanes> old;
   std::array<std::int32_t, lanes> key;
   key.fill(std::numeric_limits<std::int32_t>::max());
   for (std::size_t i = 0; i < n; ++i) {
-    old_sites[i] = sites[i];
-    old_numbers[i] = numbers[i];
+    old[i] = {sites[i], numbers[i]};
     const double coordinate = axis == 0 ? sites[i].x : sites[i].y;
     key[i] =
         (static_cast<std::int32_t>((coordinate - low) * scale) << number_bits) + static_cast<std::int32_t>(i);
@@ -230,8 +228,8 @@ bool BucketKernel::sort_by_rank(Vertex first, Vertex count, Vertex half, unsigne
   if (sorted[cut - 1] >> number_bits == sorted[cut] >> number_bits)
     return false;
   for (std::size_t i = 0; i < n; ++i) {
-    sites[rank[i]] = old_sites[i];
-    numbers[rank[i]] = old_numbers[i];
+    sites[rank[i]] = old[i].point;
+    numbers[rank[i]] = old[i].index;
   }
   return true;
 }

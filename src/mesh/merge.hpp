@@ -118,48 +118,51 @@ struct Tangent {
   HalfEdge right;
 };
 
-/// From a pair of vertices that certainly see each other downwards. Ties stay at the nearer vertex, so that
-/// no site lies on the tangent between its ends.
+/// From a pair of vertices that certainly see each other downwards. While the next vertex down the left hull
+/// is below l -> r, it becomes l; otherwise the same on the right. Both are looked at together, but only one
+/// moves: the other may be above the new line. Ties stay at the nearer vertex, so that no site lies on the
+/// tangent between its ends.
 template <class Sites>
 Tangent lower_tangent(const Sphere<Sites> &sphere, HalfEdge left, HalfEdge right, double height_bound) {
-  Vertex l = sphere.begin_of(left);
-  Vertex r = sphere.begin_of(right);
-  Point at_l = sphere.site[l];
-  Point at_r = sphere.site[r];
-  const auto is_below = [&](Vertex v, Point p) {
-    const double height = look(p, at_l, at_r).im;
-    return height < -height_bound || (!(height > height_bound) && sphere.turn(l, r, v) == Sign::negative);
-  };
-  for (bool first = true;; first = false) {
-    bool moved = first;
-    for (;;) {
-      const HalfEdge before = sphere.ghost_before(left);
-      const Vertex v = sphere.begin_of(before);
-      const Point p = sphere.site[v];
-      if (!is_below(v, p))
-        break;
+  const Pair bound{height_bound, height_bound};
+  Vertex l = sphere.begin_of(left), r = sphere.begin_of(right);
+  Point at = sphere.site[l];
+  Pair lx{at.x, at.x}, ly{at.y, at.y};
+  at = sphere.site[r];
+  Pair rx{at.x, at.x}, ry{at.y, at.y};
+  HalfEdge before = sphere.ghost_before(left);
+  Vertex next_l = sphere.begin_of(before), next_r = sphere.end_of(right);
+  const Point at_next_l = sphere.site[next_l], at_next_r = sphere.site[next_r];
+  Pair next_x{at_next_l.x, at_next_r.x}, next_y{at_next_l.y, at_next_r.y};
+  for (;;) {
+    const Pair height = look(next_x, next_y, lx, ly, rx, ry).im;
+    unsigned below = negative_lanes(height);
+    if (!all_lanes_beyond(height, bound)) [[unlikely]]
+      below = (sphere.turn(l, r, next_l) == Sign::negative ? 1U : 0U) |
+              (sphere.turn(l, r, next_r) == Sign::negative ? 2U : 0U);
+    if ((below & 1) != 0) {
       left = before;
-      l = v;
-      at_l = p;
-      moved = true;
-    }
-    if (!moved)
-      break;
-    moved = false;
-    for (;;) {
-      const Vertex v = sphere.end_of(right);
-      const Point p = sphere.site[v];
-      if (!is_below(v, p))
-        break;
+      l = next_l;
+      lx = Pair{next_x[0], next_x[0]};
+      ly = Pair{next_y[0], next_y[0]};
+      before = sphere.ghost_before(left);
+      next_l = sphere.begin_of(before);
+      at = sphere.site[next_l];
+      next_x[0] = at.x;
+      next_y[0] = at.y;
+    } else if (below != 0) {
       right = sphere.ghost_after(right);
-      r = v;
-      at_r = p;
-      moved = true;
+      r = next_r;
+      rx = Pair{next_x[1], next_x[1]};
+      ry = Pair{next_y[1], next_y[1]};
+      next_r = sphere.end_of(right);
+      at = sphere.site[next_r];
+      next_x[1] = at.x;
+      next_y[1] = at.y;
+    } else {
+      return {left, right};
     }
-    if (!moved)
-      break;
   }
-  return {left, right};
 }
 
 /// Zips two parts together. Every site of `left` must come before every site of `right` in the order of

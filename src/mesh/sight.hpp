@@ -62,14 +62,25 @@ inline Pair least(Pair a, Pair b) {
 #ifdef __SSE2__
   return _mm_min_pd(a, b);
 #else
-  return {a[0] < b[0] ? a[0] : b[0], a[1] < b[1] ? a[1] : b[1]};
+  return Pair{a[0] < b[0] ? a[0] : b[0], a[1] < b[1] ? a[1] : b[1]};
 #endif
 }
 inline Pair greatest(Pair a, Pair b) {
 #ifdef __SSE2__
   return _mm_max_pd(a, b);
 #else
-  return {a[0] > b[0] ? a[0] : b[0], a[1] > b[1] ? a[1] : b[1]};
+  return Pair{a[0] > b[0] ? a[0] : b[0], a[1] > b[1] ? a[1] : b[1]};
+#endif
+}
+
+inline Pair pair_of(Point p) { return Pair{p.x, p.y}; }
+
+/// One bit a lane.
+inline unsigned equal_lanes(Pair a, Pair b) {
+#ifdef __SSE2__
+  return static_cast<unsigned>(_mm_movemask_pd(_mm_cmpeq_pd(a, b)));
+#else
+  return (a[0] == b[0] ? 1U : 0U) | (a[1] == b[1] ? 2U : 0U);
 #endif
 }
 
@@ -85,6 +96,14 @@ inline unsigned negative_lanes(Pair value) {
 /// One bit a lane: is its absolute value above the bound? Not a number is above nothing.
 inline unsigned lanes_beyond(Pair value, Pair bound) {
   return (std::fabs(value[0]) > bound[0] ? 1U : 0U) | (std::fabs(value[1]) > bound[1] ? 2U : 0U);
+}
+
+inline bool all_lanes_beyond(Pair value, Pair bound) {
+#ifdef __SSE2__
+  return _mm_movemask_pd(_mm_cmpgt_pd(_mm_andnot_pd(_mm_set1_pd(-0.0), value), bound)) == 3;
+#else
+  return lanes_beyond(value, bound) == 3;
+#endif
 }
 
 /// Are all four?

@@ -93,6 +93,7 @@ template <class Sites> struct Sphere {
   bool four_sites(Vertex first, Hull &hull) const;
   Hull chain_of_three(HalfEdge base, Vertex a, Vertex b, Vertex c) const;
   Hull hull_of(const HalfEdge *ghosts, unsigned count) const;
+  Hull hull_of_ties(const HalfEdge *ghosts, unsigned count) const;
 
   Hull merge(const Hull &left, const Hull &right, unsigned axis, HalfEdge spare) const;
   template <unsigned axis> Hull merge_along(const Hull &left, const Hull &right, HalfEdge spare) const;
