@@ -173,8 +173,8 @@ BucketKernel::Grid BucketKernel::sort_into_tiles(Vertex first, Vertex count, con
 }
 
 /// The 2^(bits - level) tiles that begin with `tile`. At least two sites. A tile that is still crowded gets a
-/// grid of its own, unless it has most sites of this grid: so every way down halves the number in a few
-/// steps, however the sites are spread.
+/// grid of its own. One that has nearly all sites of this grid is halved first: grids within grids are then
+/// O(log n) deep, however the sites are spread.
 Hull BucketKernel::conquer_tiles(const Grid &grid, std::size_t tile, unsigned level) {
   const LocalIndex *const start = tile_start_.data() + grid.start + tile;
   const std::size_t tiles = std::size_t{1} << (grid.bits - level);

@@ -26,6 +26,18 @@
 /// Why uncovering needs no test that the apex is above the base: below the base, the circle of l, r and a p
 /// above lies within the empty circle that certified the base.
 ///
+/// What is fast about it, with what each trick gained of the instructions and mispredicted branches of a
+/// point (100,000 uniform points, as tools/bench count counts; all merges are about half of 1000 and two
+/// thirds of 6):
+///   - All that a step asks about p, q and both apexes is answered in two lanes at once, and one test says
+///     whether all four signs are certain. After a step only the lane of the side that moved is loaded again,
+///     and what was the apex is the next site (-60 instructions).
+///   - One branch decides between left and right, where first "are both above?" was one of its own
+///     (-1.0 mispredictions); which half-edge comes before another is computed, not branched on (-0.3).
+///   - Corners stand across from half-edges: the apex behind an edge is at the edge itself (-30 instructions,
+///     and two steps less in the chain of loads that everything waits for).
+///   - The first line of the filter is one pair of bounds for the whole merge: sight.hpp.
+///
 /// What a merge needs of its parts: some direction, perhaps infinitesimally turned, puts all of the left
 /// before all of the right, and the vertex of the left that comes last in this direction and that of the
 /// right that comes first are given. The orders (x, y) and (y, x) are such directions, the x axis and the
@@ -37,7 +49,8 @@
 
 namespace dovetail::divide_and_conquer {
 
-/// The lowest edge of a chain. side 0 is the left chain, side 1 the right one.
+/// The lowest edge of a chain. side 0 is the left chain, side 1 the right one. Always:
+/// inner = twin[front], next is the upper end of this edge, apex = corner[inner].
 struct Rim {
   HalfEdge front; ///< the triangle to be replaced; it has the layout of a ghost
   HalfEdge inner; ///< the half-edge behind it: from l to next, or from next to r

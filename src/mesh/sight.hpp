@@ -46,12 +46,15 @@ inline constexpr double no_filter = std::numeric_limits<double>::infinity();
 /// integers, and nothing is rounded at all. With |z| <= 2^26 units^2 for every site, each product of two
 /// differences is at most 2^26, each product of two parts of z at most 2^52 and the determinant, at most
 /// |z(p)| |z(q)|, too: its sign is right, and a zero is a tie. Likewise an orientation alone, with |z| <=
-/// 2^52 units^2. Units of at least 2^-200 keep clear of underflow.
+/// 2^52 units^2. Units of at least 2^-200 keep clear of underflow, and coordinates of at most 2^40 units keep
+/// differences exact, so that a |z| above a bound is never computed as one below it. On a lattice most
+/// questions are ties: 1390 instructions a point in place of 2600, when exact integers settled them.
 inline constexpr double exact_circle_z = 0x1p26;
 inline constexpr double exact_turn_z = 0x1p52;
 
 /// Stands in for the point at infinity: so far from all filtered coordinates that the filter certifies it
-/// outside of every circle over a base.
+/// outside of every circle over a base, also where nothing else is rounded and the bounds are zero: then
+/// Re z(p) Im z(q) < 2^26 units^2 2^602, and Re z(q) Im z(p) > 2^799 units^2 for a p that is above at all.
 inline constexpr Point far_away{0x1p400, 0.0};
 
 /// Lane 0 belongs to the left side of the seam, lane 1 to the right.
@@ -143,6 +146,7 @@ struct Bounds {
   double circle;
 };
 
+/// What is known of all sites. As it is made, nothing: the general predicates decide everything.
 struct Filter {
   double guard = no_filter;
   double exact_z = -1;          ///< no rounding where every |z| is at most this

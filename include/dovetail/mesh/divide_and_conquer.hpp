@@ -4,7 +4,11 @@
 /// Shewchuk, Triangle, 1996).
 ///
 /// How it works is told in src/mesh, to be read in this order: sphere.hpp (the data structure), merge.hpp
-/// (the merge), sight.hpp (its filter), bucket.hpp and median_tree.hpp (the cuts).
+/// (the merge), sight.hpp (its filter), smallest_parts.hpp (where recursion ends), bucket.hpp and
+/// median_tree.hpp (the cuts), divide_and_conquer.cpp (all of it together). Of 1000 instructions a point on
+/// uniform sites, sorting and cutting take about 280, parts of four 60, tangents 50, zips 470, and the arrays
+/// of the result 140, of which setting them to zero, which vectors insist on, is 50. `tools/bench count`
+/// counts again.
 #pragma once
 
 #include "dovetail/mesh/triangulation.hpp"
