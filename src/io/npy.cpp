@@ -2,6 +2,7 @@
 
 #include "point_columns.hpp"
 
+#include "dovetail/base/excerpt.hpp"
 #include "dovetail/io/little_endian.hpp"
 
 #include <fmt/format.h>
@@ -19,7 +20,7 @@ namespace dovetail {
 namespace {
 
 constexpr std::string_view magic("\x93NUMPY", 6);
-constexpr std::int64_t longest_header = 1 << 20;
+constexpr std::int64_t longest_header = 1 << 24;
 
 struct Field {
   std::string name, type;
@@ -64,7 +65,7 @@ public:
         header.shape = tuple();
         shape = true;
       } else {
-        fail(fmt::format("key '{}' is unknown or given twice", key));
+        fail(fmt::format("key '{}' is unknown or given twice", excerpt(key)));
       }
       if (!accept(',') && next() != '}')
         fail("',' or '}' is missing");
@@ -118,7 +119,7 @@ private:
       expect(',');
       field.type = string();
       if (accept(',') && next() != ')')
-        fail(fmt::format("the field '{}' has more than one number", field.name));
+        fail(fmt::format("the field '{}' has more than one number", excerpt(field.name)));
       expect(')');
       result.push_back(std::move(field));
       if (!accept(',') && next() != ']')
@@ -193,15 +194,16 @@ std::optional<NumberType> number_type(std::string_view type) {
 void take_rows(PointFile &result, const InputFile &file, const ArrayHeader &header) {
   const std::optional<NumberType> type = number_type(header.type);
   if (type != NumberType::float64 && type != NumberType::float32)
-    file.refuse(
-        0, fmt::format("the numbers are of type '{}', and only '<f8' and '<f4' can be read", header.type),
-        "save it again with numpy.save(file, array.astype('<f8'))");
+    file.refuse(0,
+                fmt::format("the numbers are of type '{}', and only '<f8' and '<f4' can be read",
+                            excerpt(header.type)),
+                "save it again with numpy.save(file, array.astype('<f8'))");
   constexpr GlobalIndex most_columns = 1 << 16;
   const std::vector<GlobalIndex> &shape = header.shape;
   if (shape.size() != 2 || shape[1] < 2 || shape[1] > most_columns)
     file.refuse(0,
                 fmt::format("the array has the shape {}, and points need (N, 2), (N, 3) or more columns",
-                            shape_text(shape)),
+                            excerpt(shape_text(shape))),
                 shape.size() == 2 && (shape[0] == 2 || shape[0] == 3)
                     ? "save it again with numpy.save(file, array.T)"
                     : "save x and y, and z if there is one, as columns");
@@ -224,8 +226,10 @@ std::int64_t padding_bytes(const Field &field) {
 // An array of records with named fields.
 void take_fields(PointFile &result, const InputFile &file, const ArrayHeader &header) {
   if (header.shape.size() != 1)
-    file.refuse(0, fmt::format("the array has the shape {}, and records need (N,)", shape_text(header.shape)),
-                "save it again with numpy.save(file, array.ravel())");
+    file.refuse(
+        0,
+        fmt::format("the array has the shape {}, and records need (N,)", excerpt(shape_text(header.shape))),
+        "save it again with numpy.save(file, array.ravel())");
   result.records = header.shape[0];
   result.has_fields = true;
   for (const Field &field : header.fields) {
@@ -235,9 +239,10 @@ void take_fields(PointFile &result, const InputFile &file, const ArrayHeader &he
     }
     const std::optional<NumberType> type = number_type(field.type);
     if (!type)
-      file.refuse(
-          0, fmt::format("the field '{}' is of type '{}', which cannot be carried", field.name, field.type),
-          "make it '<f8', or leave it out");
+      file.refuse(0,
+                  fmt::format("the field '{}' is of type '{}', which cannot be carried", excerpt(field.name),
+                              excerpt(field.type)),
+                  "make it '<f8', or leave it out");
     result.columns.push_back({field.name, *type, result.record_bytes});
     result.record_bytes += bytes_of(*type);
   }
@@ -311,15 +316,18 @@ PointFile read_npy_header(const InputFile &file) {
 namespace {
 
 std::string header_with(std::string dictionary) {
-  constexpr std::size_t prefix = 10, multiple = 64;
+  constexpr std::size_t multiple = 64;
+  // Version 1.0 says its length in two bytes, 2.0 in four.
+  const bool is_short = dictionary.size() <= 0xffff - multiple;
+  const std::size_t prefix = is_short ? 10 : 12;
   const std::size_t used = prefix + dictionary.size() + 1;
   dictionary.append((multiple - used % multiple) % multiple, ' ');
   dictionary += '\n';
   std::string header(magic);
-  header += '\x01';
+  header += is_short ? '\x01' : '\x02';
   header += '\0';
-  header += static_cast<char>(dictionary.size() & 0xff);
-  header += static_cast<char>(dictionary.size() >> 8);
+  for (std::size_t byte = 8; byte < prefix; ++byte)
+    header += static_cast<char>((dictionary.size() >> (8 * (byte - 8))) & 0xff);
   return header + dictionary;
 }
 

@@ -22,7 +22,8 @@ namespace {
 template <class T> std::size_t at(T index) { return static_cast<std::size_t>(index); }
 
 constexpr GlobalIndex most_svg_triangles = 100'000;
-/// So much of all triangles may lie outside the colours' range at either end: a few would use up all colours.
+/// So much of what is seen may lie outside the colours' range at either end: a little would use up all
+/// colours.
 constexpr double beyond_scale = 0.02;
 constexpr double median_shaded_slope = 0.35;
 
@@ -110,7 +111,44 @@ template <class Use> void for_each_triangle(const DistributedMesh &mesh, const W
     }
 }
 
-/// Collective: the value that `value_of` gives to all triangles, but for a few at both ends. Only finite
+/// The area of the part of a triangle, or any convex polygon, that is in the unit square, doubled.
+double doubled_area_in_unit_square(std::vector<Point> outline) {
+  // Clipped by one side of the square after the other (Sutherland and Hodgman, CACM 17, 1974): by x >= 0, and
+  // then turned by a quarter.
+  for (int side = 0; side < 4; ++side) {
+    std::vector<Point> kept;
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+      const Point p = outline[i];
+      const Point q = outline[(i + 1) % outline.size()];
+      if (p.x >= 0)
+        kept.push_back({1 - p.y, p.x});
+      if ((p.x >= 0) != (q.x >= 0))
+        kept.push_back({1 - (p.y + (q.y - p.y) * (p.x / (p.x - q.x))), 0});
+    }
+    outline = std::move(kept);
+  }
+  double area = 0;
+  for (std::size_t i = 1; i + 1 < outline.size(); ++i)
+    area += (outline[i].x - outline[0].x) * (outline[i + 1].y - outline[0].y) -
+            (outline[i].y - outline[0].y) * (outline[i + 1].x - outline[0].x);
+  return area;
+}
+
+/// How much of the window a triangle covers: a whole number, so that sums do not depend on their order.
+GlobalIndex share_of_window(const Corners &corners, const Window &window) {
+  constexpr double whole = 0x1p40;
+  Corners scaled = corners;
+  bool inside = true;
+  for (Point &p : scaled.points) {
+    p = {(p.x - window.x0) / (window.x1 - window.x0), (p.y - window.y0) / (window.y1 - window.y0)};
+    inside = inside && p.x >= 0 && p.x <= 1 && p.y >= 0 && p.y <= 1;
+  }
+  const double doubled = inside ? scaled.doubled_area()
+                                : doubled_area_in_unit_square({scaled.points.begin(), scaled.points.end()});
+  return doubled >= 0 && doubled <= 2 ? static_cast<GlobalIndex>(doubled / 2 * whole) : 0; // NaN, too
+}
+
+/// Collective: the values that `value_of` gives to what is seen, but for a little at both ends. Only finite
 /// values count.
 template <class ValueOf>
 Scale usual_range(const Communicator &comm, const DistributedMesh &mesh, const Window &window,
@@ -132,20 +170,21 @@ Scale usual_range(const Communicator &comm, const DistributedMesh &mesh, const W
     return low == high && logarithmic
                ? Scale{std::exp(low) / 2, std::exp(low) * 2, true}
                : Scale{low == high ? low - 0.5 : 0, low == high ? low + 0.5 : 1, false};
-  std::vector<GlobalIndex> counts(bins, 0);
+  std::vector<GlobalIndex> shares(bins, 0);
   for_each_triangle(mesh, window, [&](const Corners &corners) {
     if (const double place = place_of(corners); std::isfinite(place))
-      ++counts[std::min(bins - 1, static_cast<std::size_t>((place - low) / (high - low) * bins))];
+      shares[std::min(bins - 1, static_cast<std::size_t>((place - low) / (high - low) * bins))] +=
+          share_of_window(corners, window);
   });
-  counts = all_reduce_sum(comm, counts);
+  shares = all_reduce_sum(comm, shares);
   const auto tail = static_cast<GlobalIndex>(
-      beyond_scale * static_cast<double>(std::accumulate(counts.begin(), counts.end(), GlobalIndex{0})));
+      beyond_scale * static_cast<double>(std::accumulate(shares.begin(), shares.end(), GlobalIndex{0})));
   std::size_t first = 0;
-  for (GlobalIndex below = 0; first + 1 < bins && below + counts[first] <= tail; ++first)
-    below += counts[first];
+  for (GlobalIndex below = 0; first + 1 < bins && below + shares[first] <= tail; ++first)
+    below += shares[first];
   std::size_t end = bins;
-  for (GlobalIndex above = 0; end > first + 1 && above + counts[end - 1] <= tail; --end)
-    above += counts[end - 1];
+  for (GlobalIndex above = 0; end > first + 1 && above + shares[end - 1] <= tail; --end)
+    above += shares[end - 1];
   const auto bound = [&](std::size_t bin) {
     const double place = low + (high - low) * (static_cast<double>(bin) / bins);
     return logarithmic ? std::exp(place) : place;
@@ -165,9 +204,11 @@ double exaggeration_of(const Communicator &comm, const DistributedMesh &mesh, co
   slopes.counts = all_reduce_sum(comm, slopes.counts);
   const GlobalIndex half = slopes.total() / 2;
   GlobalIndex below = 0;
-  for (std::size_t bin = 0; bin < slopes.counts.size(); ++bin)
-    if ((below += slopes.counts[bin]) > half)
+  for (std::size_t bin = 0; bin < slopes.counts.size(); ++bin) {
+    below += slopes.counts[bin];
+    if (below > half)
       return median_shaded_slope / slopes.bounds[bin + 1];
+  }
   return 1;
 }
 
@@ -213,15 +254,6 @@ void check_options(const DistributedMesh &mesh, const std::string &path, bool sv
   if (svg && mesh.triangle_count() > most_svg_triangles)
     refuse(path, fmt::format("{} triangles are too many for an SVG", mesh.triangle_count()),
            fmt::format("let the name end in .png, which has no limit (of an SVG: {})", most_svg_triangles));
-}
-
-std::string counted(GlobalIndex number, const char *name) {
-  std::string digits = std::to_string(number);
-  for (std::size_t end = digits.size(); end > 3;) {
-    end -= 3;
-    digits.insert(end, 1, ',');
-  }
-  return fmt::format("{} {}{}", digits, name, number == 1 ? "" : "s");
 }
 
 Meaning meaning_of(const Communicator &comm, const DistributedMesh &mesh, const Window &window,

@@ -92,13 +92,22 @@ void add_slabs(Legend &legend, const std::vector<GlobalIndex> &sites, int dot) {
   const std::size_t named = sites.size() > slabs_named ? slabs_named - 1 : sites.size();
   for (std::size_t s = 0; s < named; ++s)
     legend.entry(colour_of_slab(static_cast<int>(s)), 7 * dot,
-                 fmt::format("slab {}: {} site{}", s, sites[s], sites[s] == 1 ? "" : "s"));
+                 fmt::format("slab {}: {}", s, counted(sites[s], "site")));
   if (named < sites.size())
     legend.entry(paper, 7 * dot, fmt::format("and {} more slabs", sites.size() - named));
   legend.next_line();
 }
 
 } // namespace
+
+std::string counted(GlobalIndex number, const char *name) {
+  std::string digits = std::to_string(number);
+  for (std::size_t end = digits.size(); end > 3;) {
+    end -= 3;
+    digits.insert(end, 1, ',');
+  }
+  return fmt::format("{} {}{}", digits, name, number == 1 ? "" : "s");
+}
 
 double Scale::position(double value) const {
   const double place = logarithmic ? (std::log(value) - std::log(low)) / (std::log(high) - std::log(low))
@@ -153,7 +162,7 @@ std::vector<double> ticks_of(const Scale &scale) {
     }
   for (double k = std::ceil(scale.low / step - 1e-9);
        k * step <= scale.high + 1e-9 * span && ticks.size() < 12; ++k)
-    ticks.push_back(k * step);
+    ticks.push_back(k * step + 0.0); // not -0
   return ticks;
 }
 

@@ -60,6 +60,9 @@ struct Scale {
 Colour colour_at(double position);
 Colour colour_of_slab(int slab);
 
+/// "1,234 sites".
+std::string counted(GlobalIndex number, const char *name);
+
 /// What the legend says.
 struct Meaning {
   std::string title;

@@ -1,4 +1,5 @@
 // Point files and coordinate systems in words.
+#include "dovetail/base/excerpt.hpp"
 #include "dovetail/io/las.hpp"
 #include "dovetail/io/little_endian.hpp"
 #include "dovetail/io/points.hpp"
@@ -33,7 +34,7 @@ std::string text_text(const PointFile &file) {
 std::string attributes_text(const PointFile &file) {
   std::string text;
   for (std::size_t column = 2; column < file.columns.size(); ++column)
-    text += (text.empty() ? "" : ", ") + file.columns[column].name;
+    text += (text.empty() ? "" : ", ") + excerpt(file.columns[column].name);
   return text.empty() ? "none" : text;
 }
 
@@ -79,16 +80,11 @@ std::string description_line(const CoordinateSystemRecord &record) {
     detail = geotiff_codes(record.bytes);
   if (record.record_id == wkt || record.record_id == geotiff_text) {
     detail.assign(record.bytes.begin(), record.bytes.end());
-    constexpr std::size_t longest = 60;
     detail.resize(std::min(detail.find('\0'), detail.size()));
-    if (detail.size() > longest)
-      detail = detail.substr(0, longest) + "...";
   }
-  for (char &c : detail)
-    if (static_cast<unsigned char>(c) < ' ')
-      c = ' ';
-  return fmt::format("{} {}, {} bytes{}{}", record.user_id, record.record_id, record.bytes.size(),
-                     detail.empty() ? "" : ": ", detail);
+  std::replace(detail.begin(), detail.end(), '\n', ' '); // between the keys of a pretty-printed text
+  return fmt::format("{} {}, {} bytes{}{}", excerpt(record.user_id), record.record_id, record.bytes.size(),
+                     detail.empty() ? "" : ": ", excerpt(detail));
 }
 
 std::vector<std::string> description_lines(const PointFile &file) {

@@ -3,6 +3,8 @@
 
 #include "point_columns.hpp"
 
+#include "dovetail/base/excerpt.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -83,12 +85,17 @@ private:
   std::string_view rest_;
 };
 
+// What stands in quotes separates nothing.
 char separator_of(std::string_view line) {
-  line = without_comment(line);
-  for (const char separator : {';', ','})
-    if (line.find(separator) != std::string_view::npos)
-      return separator;
-  return ' ';
+  char separator = ' ';
+  bool quoted = false;
+  for (const char c : without_comment(line)) {
+    if (c == '"')
+      quoted = !quoted;
+    else if (!quoted && (c == ';' || (c == ',' && separator == ' ')))
+      separator = c;
+  }
+  return separator;
 }
 
 // Fields between separators, trimmed and without their quotes. ' ' stands for any number of blanks.
@@ -183,7 +190,7 @@ NodeCounts node_counts(const InputFile &file, const Line &line) {
     if (is_number(fields[i]))
       parse_decimal((fields[i] + '\n').c_str(), value);
     if (!(value >= 0 && value <= 0x1p53) || value != std::floor(value))
-      refuse(fmt::format("'{}' is not a count", fields[i].substr(0, 40)));
+      refuse(fmt::format("'{}' is not a count", excerpt(fields[i])));
     *into[i] = static_cast<GlobalIndex>(value);
   }
   if (counts.dimensions != 2)

@@ -133,6 +133,23 @@ class Render(harness.TestCase):
             self.assertTrue((np.diff(seen) >= -1.5).all(), (by, seen))
             self.assertGreater(seen[-1] - seen[0], 60)
 
+    def test_colours_are_for_what_is_seen(self):
+        # Nearly all triangles are in a corner too small to see: the others have all colours nevertheless.
+        rng = np.random.default_rng(3)
+        points, mesh, size = self.folder / "corner.f64", self.folder / "corner.vtkhdf", 270
+        write_f64(points, [*(rng.random((3000, 2)) * 1e-3).tolist(), *rng.random((60, 2)).tolist(), (1, 1)])
+        self.succeed("triangulate", points, "-o", mesh, "--quiet")
+        triangles, _ = triangles_of(mesh)
+        u, v = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+        area = (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) / 2
+        order = [t for t in np.argsort(area) if area[t] > 1e-3]
+        picture = self.draw("corner.png", mesh, "--by", "area", "--width", size, "--window", "0,0,1,1", ranks=3)
+        pixels = read_png(picture)
+        middles = triangles[order].mean(axis=1)
+        seen = [pixels[int((1 - y) * size), int(x * size)] @ (0.2126, 0.7152, 0.0722) for x, y in middles]
+        quarter = len(order) // 4
+        self.assertGreater(np.median(seen[-quarter:]) - np.median(seen[:quarter]), 40)
+
     def test_every_number_of_ranks_makes_the_same_bytes(self):
         for name, *arguments in (
             ("a.png", self.fine, "--paths", "--hull", "--width", 700),
@@ -156,6 +173,14 @@ class Render(harness.TestCase):
         drawn = [len(line.get("points").split()) for line in tree.iter(f"{SVG}polyline")]
         self.assertEqual(drawn, 2 * lengths)  # white below black
         self.assertTrue(any("triangles" in text.text for text in tree.iter(f"{SVG}text")))
+
+    def test_legends(self):
+        def texts(*arguments):
+            tree = xml.etree.ElementTree.parse(self.draw("legend.svg", *arguments)).getroot()
+            return [text.text for text in tree.iter(f"{SVG}text")]
+
+        self.assertIn("slab 3: 5,000 sites", texts(self.fine, "--window", "0,0,0.1,0.1"))
+        self.assertEqual(texts(self.coarse, "--by", "angle")[-7:], ["0", "10", "20", "30", "40", "50", "60"])
 
     def test_few_sites(self):
         for count in (1, 2, 5):

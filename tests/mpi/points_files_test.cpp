@@ -259,6 +259,29 @@ TEST(PointFiles, WrittenBytesDoNotDependOnRanksOrBuffers) {
     }
 }
 
+// The names of so many columns do not fit into a header of version 1.0.
+TEST(PointFiles, ThousandsOfColumns) {
+  const Communicator comm = world();
+  const TemporaryFolder folder(comm);
+  constexpr int columns = 5000;
+  PointTable table = part_of(rows(7), comm, true);
+  for (int column = 3; column < columns; ++column) {
+    std::vector<double> values;
+    for (const GlobalIndex point : table.input_index)
+      values.push_back(static_cast<double>(column + columns * point));
+    table.attributes.push_back({"attribute " + std::to_string(column), std::move(values)});
+  }
+  write_points(comm, table, folder.file("wide.npy"));
+  const PointInput input = read_points(comm, std::vector{folder.file("wide.npy")});
+  expect_rows(comm, {input.points.points, input.points.input_index, {input.points.attributes[0]}}, rows(7),
+              true);
+  EXPECT_EQ(input.points.attributes.size(), static_cast<std::size_t>(columns - 2));
+  const Attribute &last = input.points.attributes.back();
+  EXPECT_EQ(last.name, "attribute 4999");
+  for (std::size_t i = 0; i < last.values.size(); ++i)
+    EXPECT_EQ(last.values[i], static_cast<double>(columns - 1 + columns * input.points.input_index[i]));
+}
+
 TEST(PointFiles, GeneratedOnRanksIsGeneratedAtOnce) {
   const Communicator comm = world();
   const TemporaryFolder folder(comm);

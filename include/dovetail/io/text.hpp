@@ -84,7 +84,6 @@ private:
   std::size_t filled_ = 0; // bytes of the buffer that hold something
   std::size_t given_ = 0;  // of these, those of lines()
   bool inside_line_;       // the buffer begins in the middle of a line of somebody else
-  bool at_end_of_file_ = false;
   bool done_ = false;
 };
 

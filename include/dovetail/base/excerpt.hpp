@@ -1,0 +1,12 @@
+/// Words out of files, as they can be quoted to people. Local.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace dovetail {
+
+/// The beginning of a text, with '?' for control characters. An Error's what() has none either.
+std::string excerpt(std::string_view text);
+
+} // namespace dovetail
