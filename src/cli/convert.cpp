@@ -37,10 +37,12 @@ struct Converted {
 
 Converted convert_mesh(const ConvertOptions &options, const Communicator &comm, PhaseLog &phases,
                        ProgressMeter &meter, Report &report) {
-  const DistributedMesh mesh = phases.measure("read", [&] { return read_mesh(comm, options.input); });
+  const DistributedMesh mesh =
+      phases.measure("read", [&] { return read_mesh(comm, options.input, progress_into(meter)); });
   meter.begin("write");
   Converted result;
-  result.files = phases.measure("write", [&] { return write_mesh(comm, mesh, options.output); });
+  result.files = phases.measure(
+      "write", [&] { return write_mesh(comm, mesh, options.output, {.progress = progress_into(meter)}); });
   result.what = fmt::format("{} of {} from {}", counted(mesh.triangle_count(), "triangle", "triangles"),
                             counted(mesh.site_count(), "site", "sites"), options.input);
   report["slabs"] = mesh.slab_count();
@@ -55,10 +57,13 @@ Converted convert_mesh(const ConvertOptions &options, const Communicator &comm, 
 
 Converted convert_points(const ConvertOptions &options, const Communicator &comm, PhaseLog &phases,
                          ProgressMeter &meter, Report &report) {
-  const PointInput input = phases.measure(
-      "read", [&] { return read_points(comm, std::span(&options.input, 1), options.reading); });
+  PointReading reading = options.reading;
+  reading.progress = progress_into(meter);
+  const PointInput input =
+      phases.measure("read", [&] { return read_points(comm, std::span(&options.input, 1), reading); });
   meter.begin("write");
-  phases.measure("write", [&] { write_points(comm, input.points, options.output); });
+  phases.measure(
+      "write", [&] { write_points(comm, input.points, options.output, {.progress = progress_into(meter)}); });
   report["points"] = input.read;
   report["withheld"] = input.withheld;
   report["other_class"] = input.other_class;

@@ -80,7 +80,8 @@ ExitCode generate(const GenerateOptions &options, const Session &session) {
         comm, [&] { return generate_share(options.set, comm.rank(), comm.size(), progress_into(meter)); });
   });
   meter.begin("write");
-  phases.measure("write", [&] { write_points(comm, points, options.output); });
+  phases.measure("write",
+                 [&] { write_points(comm, points, options.output, {.progress = progress_into(meter)}); });
   meter.finish();
 
   const std::vector<PhaseSummary> times = summarise(comm, phases);

@@ -100,41 +100,42 @@ void ProgressMeter::wipe_locked() {
   std::fflush(stderr);
 }
 
-/// How much of the stage under way is done, as far as anybody can know.
-std::optional<double> ProgressMeter::stage_fraction(Clock::time_point now) const {
+/// How long the stage under way takes from its beginning to its end, as far as anybody can know.
+std::optional<double> ProgressMeter::stage_seconds(Clock::time_point now, double weight_before) const {
+  const double in_stage = seconds_between(stage_start_, now);
   if (told_ > 0) {
     // It may tell rarely, say of one slab after another: go on at its speed, but not beyond what comes next.
     const double until_told = seconds_between(stage_start_, told_at_);
-    const double in_stage = seconds_between(stage_start_, now);
     const double reached = until_told > 0 ? told_ * in_stage / until_told : told_;
-    return std::min({reached, told_ + told_step_, 1.0});
+    return in_stage / std::min({reached, told_ + told_step_, 1.0});
   }
-  double before = 0;
-  for (std::size_t s = 0; s < current_; ++s)
-    before += stages_[s].weight;
-  if (before <= 0)
+  if (weight_before <= 0)
     return std::nullopt;
-  const double expected = stages_[current_].weight * seconds_between(start_, stage_start_) / before;
-  const double in_stage = seconds_between(stage_start_, now);
-  return in_stage < expected ? std::optional(in_stage / expected) : std::nullopt;
+  const double expected = stages_[current_].weight * seconds_between(start_, stage_start_) / weight_before;
+  return in_stage < expected ? std::optional(expected) : std::nullopt;
 }
 
-std::string ProgressMeter::line(Clock::time_point now) const {
-  double total = 0;
+std::string ProgressMeter::line(Clock::time_point now) {
   double before = 0;
-  for (std::size_t s = 0; s < stages_.size(); ++s) {
-    total += stages_[s].weight;
-    before += s < current_ ? stages_[s].weight : 0;
-  }
+  double after = 0;
+  for (std::size_t s = 0; s < stages_.size(); ++s)
+    (s < current_ ? before : after) += s != current_ ? stages_[s].weight : 0;
+  const double own = stages_[current_].weight;
   const double elapsed = seconds_between(start_, now);
   const std::string text =
       fmt::format("dovetail: {}, {} gone", stages_[current_].name, rough_duration_text(elapsed));
-  const std::optional<double> fraction = stage_fraction(now);
-  if (!fraction)
-    return before > 0 ? text + fmt::format(", over {:.0f} % done", 100 * before / total) : text;
-  const double done = (before + stages_[current_].weight * *fraction) / total;
-  return text + fmt::format(", about {:.0f} % done, {} left", 100 * done,
-                            rough_duration_text(elapsed * (1 - done) / done));
+  const std::optional<double> stage = stage_seconds(now, before);
+  if (!stage) {
+    shown_fraction_ = std::max(shown_fraction_, before / (before + own + after));
+    return shown_fraction_ > 0 ? text + fmt::format(", over {:.0f} % done", 100 * shown_fraction_) : text;
+  }
+  // The stages to come are as much slower or faster than usual as those that are known.
+  const double known = seconds_between(start_, stage_start_) + *stage;
+  const double whole = known * (before + own + after) / (before + own);
+  // Who finds that the rest takes longer than thought has not done less for that.
+  shown_fraction_ = std::max(shown_fraction_, elapsed / whole);
+  return text + fmt::format(", about {:.0f} % done, {} left", 100 * shown_fraction_,
+                            rough_duration_text(whole - elapsed));
 }
 
 std::string silence_progress() {

@@ -25,9 +25,10 @@ enum class ProgressStyle {
 };
 
 /// Tells from a thread of its own, which never calls MPI, which stage is under way, how much of the run is
-/// done, and how long the rest will take if the stages share the time as they usually do. It promises nothing
-/// before it has measured something, nor when a stage takes longer than usual without telling how far it is.
-/// Nothing is printed in the first seconds: short runs stay silent. Local. One at a time in a process.
+/// done, and how long the rest will take: the stage under way at its own speed, and those to come if they
+/// share the time with the others as they usually do. It promises nothing before it has measured something,
+/// nor when a stage takes longer than usual without telling how far it is. Nothing is printed in the first
+/// seconds: short runs stay silent. Local. One at a time in a process.
 class ProgressMeter {
 public:
   ProgressMeter(ProgressStyle style, std::vector<Stage> stages);
@@ -50,8 +51,8 @@ private:
   friend std::string silence_progress();
   void run();
   void wipe_locked();
-  std::optional<double> stage_fraction(Clock::time_point now) const;
-  std::string line(Clock::time_point now) const;
+  std::optional<double> stage_seconds(Clock::time_point now, double weight_before) const;
+  std::string line(Clock::time_point now);
 
   const ProgressStyle style_;
   const std::vector<Stage> stages_;
@@ -64,6 +65,7 @@ private:
   double told_ = 0;                    ///< fraction of the stage, when last told
   double told_step_ = 0;               ///< by how much it had grown
   Clock::time_point told_at_ = start_; ///< when
+  double shown_fraction_ = 0;          ///< of the run, which never goes back
   bool finished_ = false;
   bool shown_ = false; ///< a live line stands there
   std::thread thread_;

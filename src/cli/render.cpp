@@ -59,7 +59,8 @@ ExitCode run_render(const RenderCommand &command, const Session &session) {
   ProgressMeter meter(progress_style(comm.is_root(), command.telling), {{"read", 2}, {"draw", 3}});
   PhaseLog phases(comm);
   meter.begin("read");
-  const DistributedMesh mesh = phases.measure("read", [&] { return read_mesh(comm, command.mesh); });
+  const DistributedMesh mesh =
+      phases.measure("read", [&] { return read_mesh(comm, command.mesh, progress_into(meter)); });
   meter.begin("draw");
   phases.measure("draw", [&] {
     require_sound_layout(comm, mesh, command.mesh);

@@ -173,7 +173,8 @@ ExitCode run_stats(const StatsCommand &command, const Session &session) {
   ProgressMeter meter(progress_style(comm.is_root(), command.telling), {{"read", 3}, {"measure", 2}});
   PhaseLog phases(comm);
   meter.begin("read");
-  const DistributedMesh mesh = phases.measure("read", [&] { return read_mesh(comm, command.mesh); });
+  const DistributedMesh mesh =
+      phases.measure("read", [&] { return read_mesh(comm, command.mesh, progress_into(meter)); });
   meter.begin("measure");
   const MeshFigures figures = phases.measure("measure", [&] {
     require_sound_layout(comm, mesh, command.mesh);

@@ -62,7 +62,9 @@ Outcome run_phases(const TriangulateCommand &command, const Communicator &comm) 
   Outcome outcome;
 
   meter.begin("read");
-  outcome.input = phases.measure("read", [&] { return read_points(comm, command.inputs, command.reading); });
+  PointReading reading = command.reading;
+  reading.progress = progress_into(meter);
+  outcome.input = phases.measure("read", [&] { return read_points(comm, command.inputs, reading); });
   SplitTrace trace;
   TriangulateOptions options{command.slabs, &phases, {command.kernel, command.trace ? &trace : nullptr}};
   options.slabs.progress = progress_into(meter);
@@ -72,7 +74,9 @@ Outcome run_phases(const TriangulateCommand &command, const Communicator &comm) 
   outcome.peak_rss_max_bytes = all_reduce_max(comm, peak_rss_bytes());
   if (command.writes()) {
     meter.begin("write");
-    outcome.files = phases.measure("write", [&] { return write_mesh(comm, outcome.mesh, command.output); });
+    const MeshWriting writing{.progress = progress_into(meter)};
+    outcome.files =
+        phases.measure("write", [&] { return write_mesh(comm, outcome.mesh, command.output, writing); });
     outcome.peak_rss_max_bytes = all_reduce_max(comm, peak_rss_bytes());
   } else {
     meter.begin("check");

@@ -51,13 +51,17 @@ void print_checks(const VerifyOptions &options, const ValidationReport &found) {
 ValidationReport check(const VerifyOptions &options, const Communicator &comm, ProgressMeter &meter,
                        PhaseLog &phases, DistributedMesh &mesh) {
   meter.begin("read");
-  mesh = phases.measure("read", [&] { return read_mesh(comm, options.mesh); });
+  const double share_of_mesh = options.points.empty() ? 1 : 0.6; // of the time for both
+  mesh = phases.measure("read", [&] {
+    return read_mesh(comm, options.mesh, part_of_stage(progress_into(meter), 0, share_of_mesh));
+  });
   if (options.points.empty()) {
     meter.begin("check");
     return phases.measure("check", [&] { return validate(comm, mesh, progress_into(meter)); });
   }
-  const PointInput input =
-      phases.measure("read", [&] { return read_points(comm, options.points, options.reading); });
+  PointReading reading = options.reading;
+  reading.progress = part_of_stage(progress_into(meter), share_of_mesh, 1);
+  const PointInput input = phases.measure("read", [&] { return read_points(comm, options.points, reading); });
   meter.begin("check");
   return phases.measure("check", [&] { return validate(comm, mesh, input.points, progress_into(meter)); });
 }

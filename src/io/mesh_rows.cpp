@@ -59,6 +59,15 @@ void make_room(const Communicator &comm, const OutputFile &file, std::int64_t by
   });
 }
 
+ProgressCount count_of_rank(const DistributedMesh &mesh, const MeshWriting &writing, std::int64_t bytes) {
+  GlobalIndex own = 0;
+  for (const SlabMesh &slab : mesh.slabs)
+    own += slab.own_count + slab.triangles.triangle_count();
+  const GlobalIndex all = std::max<GlobalIndex>(1, mesh.site_count() + mesh.triangle_count());
+  return {writing.progress, "write",
+          static_cast<double>(bytes) * static_cast<double>(own) / static_cast<double>(all)};
+}
+
 void write_text_at(const Communicator &comm, OutputFile &file, std::int64_t offset, const std::string &text) {
   if (comm.is_root() && !text.empty())
     file.write_at(offset, std::as_bytes(std::span(text)));

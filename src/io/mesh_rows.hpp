@@ -4,6 +4,7 @@
 #include "dovetail/comm/communicator.hpp"
 #include "dovetail/distributed/mesh.hpp"
 #include "dovetail/io/little_endian.hpp"
+#include "dovetail/io/mesh.hpp"
 #include "dovetail/io/output_file.hpp"
 
 #include <algorithm>
@@ -30,6 +31,10 @@ void check_indices(const DistributedMesh &mesh, const std::string &path);
 
 /// Collective. Room for the file aside, as far as the system tells.
 void make_room(const Communicator &comm, const OutputFile &file, std::int64_t bytes);
+
+/// Local. For the bytes of a file, or several, that this rank will write: of `bytes` in all about as large a
+/// part as its sites and triangles are of all.
+ProgressCount count_of_rank(const DistributedMesh &mesh, const MeshWriting &writing, std::int64_t bytes);
 
 /// Local. The text at `offset`, on the first rank of `comm`; nothing on the others.
 void write_text_at(const Communicator &comm, OutputFile &file, std::int64_t offset, const std::string &text);

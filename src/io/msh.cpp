@@ -185,7 +185,9 @@ std::vector<std::string> write_msh(const Communicator &comm, const DistributedMe
   for (const SlabMesh &slab : mesh.slabs)
     own.push_back(box_of(slab));
   const Layout layout = layout_of(mesh, all_gather_bulk<Box>(comm, own).data);
+  ProgressCount count = count_of_rank(mesh, writing, layout.file_bytes);
   OutputFile file(comm, path);
+  file.count_into(&count);
   make_room(comm, file, layout.file_bytes);
   collectively(comm, [&] {
     write_text_at(comm, file, 0, layout.before_nodes);

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <memory>
+#include <numeric>
 
 namespace dovetail {
 namespace {
@@ -88,9 +89,13 @@ std::vector<std::string> write_npy_arrays(const Communicator &comm, const Distri
   arrays.main = std::make_unique<OutputFile>(comm, names[triangles]);
   const std::array<GlobalIndex, 4> numbers{columns * mesh.site_count(), mesh.site_count(),
                                            3 * mesh.triangle_count(), 3 * mesh.triangle_count()};
-  for (const Array array : {points, index, neighbours, triangles})
+  ProgressCount count =
+      count_of_rank(mesh, writing, 8 * std::accumulate(numbers.begin(), numbers.end(), GlobalIndex{0}));
+  for (const Array array : {points, index, neighbours, triangles}) {
     make_room(comm, arrays.file(array),
               static_cast<std::int64_t>(arrays.headers[array].size()) + 8 * numbers[array]);
+    arrays.file(array).count_into(&count);
+  }
   collectively(comm, [&] {
     for (const Array array : {points, index, neighbours, triangles})
       write_text_at(comm, arrays.file(array), 0, arrays.headers[array]);

@@ -149,9 +149,36 @@ void OutputFile::write_at(std::int64_t offset, std::span<const std::byte> bytes)
       problem.place = "byte " + std::to_string(offset);
       throw Error(std::move(problem));
     }
+    push_to_disk(offset, count);
     offset += count;
     bytes = bytes.subspan(static_cast<std::size_t>(count));
+    if (count_ != nullptr)
+      count_->add(static_cast<double>(count));
   }
+}
+
+void OutputFile::push_to_disk([[maybe_unused]] std::int64_t offset, [[maybe_unused]] std::int64_t bytes) {
+#ifdef __linux__
+  constexpr std::int64_t worth_it = std::int64_t{1} << 16, most_under_way = std::int64_t{64} << 20;
+  if (bytes < worth_it)
+    return;
+  // Not every file system can do it; what fails for another reason fails in fsync again, unless it has been
+  // said here.
+  const auto push = [&](const Range &range, unsigned how) {
+    if (::sync_file_range(descriptor_, range.offset, range.bytes, how) != 0 &&
+        (errno == EIO || errno == ENOSPC || errno == EDQUOT))
+      fail(path_, "cannot be brought to disk", errno);
+  };
+  under_way_.push_back({offset, bytes});
+  bytes_under_way_ += bytes;
+  push(under_way_.back(), SYNC_FILE_RANGE_WRITE);
+  while (bytes_under_way_ > most_under_way) {
+    push(under_way_.front(),
+         SYNC_FILE_RANGE_WAIT_BEFORE | SYNC_FILE_RANGE_WRITE | SYNC_FILE_RANGE_WAIT_AFTER);
+    bytes_under_way_ -= under_way_.front().bytes;
+    under_way_.pop_front();
+  }
+#endif
 }
 
 void OutputFile::sync() {

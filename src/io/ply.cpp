@@ -92,8 +92,11 @@ std::vector<std::string> write_ply(const Communicator &comm, const DistributedMe
   for (const std::string &name : names)
     layout.columns += name != "z" ? 1 : 0;
   layout.faces = static_cast<std::int64_t>(layout.header.size()) + mesh.site_count() * layout.columns * 8;
+  const std::int64_t file_bytes = layout.faces + mesh.triangle_count() * face_bytes;
+  ProgressCount count = count_of_rank(mesh, writing, file_bytes);
   OutputFile file(comm, path);
-  make_room(comm, file, layout.faces + mesh.triangle_count() * face_bytes);
+  file.count_into(&count);
+  make_room(comm, file, file_bytes);
   collectively(comm, [&] {
     write_text_at(comm, file, 0, layout.header);
     for (const SlabMesh &slab : mesh.slabs)

@@ -17,6 +17,8 @@ LineReader reader_of(const InputFile &file, const PointFile &layout, RecordRange
 
 // Row-major numbers into columns.
 void append_rows(const std::vector<double> &numbers, const PointFile &layout, const FileColumns &columns) {
+  if (numbers.empty())
+    return;
   PointTable &table = columns.table();
   const auto fields = static_cast<std::size_t>(layout.fields);
   const std::size_t rows = numbers.size() / fields;
@@ -64,7 +66,7 @@ void refuse_line(const InputFile &file, const PointFile &layout, RecordRange ran
 }
 
 LineCount read_lines(const InputFile &file, const PointFile &layout, RecordRange range,
-                     std::int64_t buffer_bytes, const FileColumns &columns) {
+                     std::int64_t buffer_bytes, const FileColumns &columns, ProgressCount &done) {
   LineReader reader = reader_of(file, layout, range, buffer_bytes);
   const LineLayout lines = line_layout(layout);
   const auto fields = static_cast<std::size_t>(layout.fields);
@@ -81,6 +83,7 @@ LineCount read_lines(const InputFile &file, const PointFile &layout, RecordRange
       follow_numbers(numbers, fields, result);
     append_rows(numbers, layout, columns);
     result.lines += static_cast<GlobalIndex>(numbers.size() / fields);
+    done.add(static_cast<double>(reader.lines().size()) / static_cast<double>(layout.record_bytes));
   }
   for (GlobalIndex line = 0; line < result.lines; ++line)
     columns.table().input_index.push_back(line);

@@ -135,6 +135,7 @@ std::vector<Share> read_shares(PointInput &input, const PointReading &reading, i
   for (Attribute &attribute : table.attributes)
     reserve_huge(attribute.values, expected);
 
+  ProgressCount done(reading.progress, "read", static_cast<double>(end - begin));
   std::vector<Share> shares;
   GlobalIndex before = 0;
   for (std::size_t f = 0; f < input.files.size(); ++f) {
@@ -149,9 +150,9 @@ std::vector<Share> read_shares(PointInput &input, const PointReading &reading, i
     const InputFile file = open_same(each.file);
     const FileColumns columns(table, each.file);
     if (each.file.is_text())
-      share.text = read_lines(file, each.file, share.range, reading.buffer_bytes, columns);
+      share.text = read_lines(file, each.file, share.range, reading.buffer_bytes, columns, done);
     else
-      read_records(file, each, share.range, reading.buffer_bytes, classes, columns);
+      read_records(file, each, share.range, reading.buffer_bytes, classes, columns, done);
     share.end_point = table.points.size();
     shares.push_back(share);
   }

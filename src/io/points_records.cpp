@@ -179,7 +179,7 @@ void FileColumns::fill_up() const {
 }
 
 void read_records(const InputFile &file, PointFileCount &input, RecordRange range, std::int64_t buffer_bytes,
-                  const LasClasses &classes, const FileColumns &columns) {
+                  const LasClasses &classes, const FileColumns &columns, ProgressCount &done) {
   const PointFile &layout = input.file;
   const GlobalIndex at_once = std::clamp<GlobalIndex>(buffer_bytes / layout.record_bytes, 1, range.count);
   std::vector<std::byte> buffer(static_cast<std::size_t>(at_once * layout.record_bytes));
@@ -191,6 +191,7 @@ void read_records(const InputFile &file, PointFileCount &input, RecordRange rang
       decode_las(input, part, buffer.data(), classes, columns);
     else
       decode_numbers(layout, part, numbers, columns);
+    done.add(static_cast<double>(part.count));
   }
   columns.fill_up();
 }

@@ -1,6 +1,7 @@
 /// The parts of reading points that know nothing of ranks: headers, and ranges of records into a table.
 #pragma once
 
+#include "dovetail/base/progress.hpp"
 #include "dovetail/io/input_file.hpp"
 #include "dovetail/io/points.hpp"
 
@@ -51,9 +52,9 @@ private:
 
 using LasClasses = std::bitset<256>;
 
-/// Records of fixed size. Input indices count in the file.
+/// Records of fixed size. Input indices count in the file; `done` counts records.
 void read_records(const InputFile &file, PointFileCount &input, RecordRange range, std::int64_t buffer_bytes,
-                  const LasClasses &classes, const FileColumns &columns);
+                  const LasClasses &classes, const FileColumns &columns, ProgressCount &done);
 
 /// What was found in a range of lines. In .node files vertices are to be numbered one after the other; which
 /// of them breaks that is known only when those of lower ranks are counted.
@@ -63,9 +64,9 @@ struct LineCount {
   GlobalIndex first_break = -1; ///< the first line whose number does not follow from the first one's
   double number_there = 0;
 };
-/// Lines of text. Input indices count in the range.
+/// Lines of text. Input indices count in the range; `done` counts pieces of the range.
 LineCount read_lines(const InputFile &file, const PointFile &layout, RecordRange range,
-                     std::int64_t buffer_bytes, const FileColumns &columns);
+                     std::int64_t buffer_bytes, const FileColumns &columns, ProgressCount &done);
 
 /// An Error about line `record` of those in the range.
 [[noreturn]] void refuse_line(const InputFile &file, const PointFile &layout, RecordRange range,

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 namespace dovetail {
 namespace {
@@ -75,7 +76,11 @@ public:
   std::int64_t measure() {
     std::int64_t bytes = 0;
     bool keeping = true;
+    ProgressCount made(part_of_stage(writing_.progress, 0, usual_share_of_making), "write",
+                       static_cast<double>(table_.points.size()));
+    std::size_t before = 0;
     for_blocks(0, [&](std::size_t end, const std::string &block) {
+      made.add(static_cast<double>(end - std::exchange(before, end)));
       bytes += static_cast<std::int64_t>(block.size());
       keeping = keeping && bytes <= writing_.kept_bytes;
       if (!keeping)
@@ -89,19 +94,32 @@ public:
     return bytes;
   }
 
-  // Local.
-  void write(OutputFile &file, std::int64_t offset) const {
+  // Local. measured: what measure() has returned, or 0 if it was not called.
+  void write(OutputFile &file, std::int64_t offset, std::int64_t measured) const {
+    ProgressCount written(part_of_stage(writing_.progress, measured > 0 ? usual_share_of_making : 0, 1),
+                          "write", static_cast<double>(table_.points.size()));
     const auto write_block = [&](std::string_view block) {
       file.write_at(offset, std::as_bytes(std::span(block)));
       offset += static_cast<std::int64_t>(block.size());
     };
     const auto step = static_cast<std::size_t>(std::max<std::int64_t>(1, writing_.buffer_bytes));
-    for (std::size_t begin = 0; begin < kept_.size(); begin += step)
-      write_block(std::string_view(kept_).substr(begin, step));
-    for_blocks(kept_lines_, [&](std::size_t, const std::string &block) { write_block(block); });
+    for (std::size_t begin = 0; begin < kept_.size(); begin += step) {
+      const std::string_view block = std::string_view(kept_).substr(begin, step);
+      write_block(block);
+      written.add(static_cast<double>(kept_lines_) * static_cast<double>(block.size()) /
+                  static_cast<double>(kept_.size()));
+    }
+    std::size_t before = kept_lines_;
+    for_blocks(kept_lines_, [&](std::size_t end, const std::string &block) {
+      write_block(block);
+      written.add(static_cast<double>(end - std::exchange(before, end)));
+    });
   }
 
 private:
+  // Lines that are kept have only to be written after they have been made.
+  static constexpr double usual_share_of_making = 0.7;
+
   // A line is written whole, so a block is at least one.
   template <class Work> void for_blocks(std::size_t first, Work &&work) const {
     const std::size_t columns = 4 + style_.attributes.size();
@@ -131,7 +149,7 @@ void write_lines(const Communicator &comm, OutputFile &file, const PointTable &t
   // One rank has nobody to tell. Several all measure, also the last: it would only begin later.
   const std::int64_t own = collectively(comm, [&] { return comm.size() == 1 ? 0 : lines.measure(); });
   const std::int64_t offset = header_bytes + exclusive_scan(comm, own);
-  collectively(comm, [&] { lines.write(file, offset); });
+  collectively(comm, [&] { lines.write(file, offset, own); });
 }
 
 // Collective. Triangle's vertices have a marker if all ranks have whole numbers of that name.
@@ -176,13 +194,16 @@ void write_points(const Communicator &comm, const PointTable &table, const std::
     header = line_of_names(table);
 
   OutputFile file(comm, path);
+  const auto record_bytes = static_cast<std::int64_t>(sizeof(double)) * columns;
+  ProgressCount written(writing.progress, "write", static_cast<double>(own * record_bytes));
   const auto header_bytes = static_cast<std::int64_t>(header.size());
   collectively(comm, [&] {
     if (comm.is_root() && !header.empty())
       file.write_at(0, std::as_bytes(std::span(header)));
-    const auto record_bytes = static_cast<std::int64_t>(sizeof(double)) * columns;
-    if (format == PointFormat::npy || format == PointFormat::f64)
-      write_records(file, table, header_bytes + before * record_bytes, writing.buffer_bytes);
+    if (format != PointFormat::npy && format != PointFormat::f64)
+      return;
+    file.count_into(&written);
+    write_records(file, table, header_bytes + before * record_bytes, writing.buffer_bytes);
   });
   if (format == PointFormat::text || format == PointFormat::node)
     write_lines(comm, file, table, style, header_bytes, writing);

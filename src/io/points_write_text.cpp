@@ -21,7 +21,8 @@ char *put_few_decimals(double value, char *at) {
   const double size = std::abs(value);
   if (!(size < limit) || (value == 0 && std::signbit(value)))
     return nullptr;
-  const auto scaled = static_cast<std::uint64_t>(size * scale + 0.5);
+  // Wrongly rounded in rare cases, which the division below refuses.
+  const auto scaled = static_cast<std::uint64_t>(size * scale + 0.5); // NOLINT(bugprone-incorrect-roundings)
   if (static_cast<double>(scaled) / scale != size)
     return nullptr;
   if (value < 0)

@@ -107,18 +107,21 @@ private:
 
 /// Collective. Every rank's lines of integers, one rank's after the other's, from byte `start` on.
 /// lines(sink) is Local and puts them into a sink of any of the types above; it is called twice and must do
-/// the same twice.
+/// the same twice. progress: stage "write".
 template <class Lines>
 void write_lines(const Communicator &comm, OutputFile &file, std::int64_t start, std::int64_t buffer_bytes,
-                 Lines &&lines) {
+                 const Progress &progress, Lines &&lines) {
   TextLength length;
   lines(length);
   const std::int64_t offset = start + exclusive_scan(comm, length.bytes());
+  ProgressCount count(progress, "write", static_cast<double>(length.bytes()));
+  file.count_into(&count);
   collectively(comm, [&] {
     TextWriter writer(file, offset, buffer_bytes);
     lines(writer);
     writer.flush();
   });
+  file.count_into(nullptr);
 }
 
 } // namespace dovetail

@@ -114,7 +114,7 @@ class Round {
 public:
   /// Collective.
   Round(const Communicator &comm, const PointsByBlock &points, std::int64_t first_block)
-      : comm_(comm), points_(points), send_counts_(at(comm.size()), 0) {
+      : comm_(comm), send_counts_(at(comm.size()), 0) {
     const auto end = static_cast<std::int64_t>(points.places().size()) - 1;
     first_place_ = points.places()[at(std::min(end, first_block))];
     for (int r = 0; r < comm.size(); ++r)
@@ -137,7 +137,6 @@ public:
 
 private:
   const Communicator &comm_;
-  const PointsByBlock &points_;
   std::vector<std::int64_t> send_counts_, receive_counts_;
   std::int64_t first_place_ = 0;
 };
@@ -195,18 +194,19 @@ std::size_t find_marker(const Communicator &comm, const DistributedMesh &mesh,
 
 /// Collective.
 void write_nodes(const Communicator &comm, const DistributedMesh &mesh, const NodeNumbers &numbers,
-                 std::int64_t buffer_bytes, OutputFile &file) {
+                 const MeshWriting &writing, OutputFile &file) {
   const std::vector<std::string> names = gather_attribute_names(comm, mesh);
   const std::size_t marker = find_marker(comm, mesh, names);
   const bool has_marker = marker < names.size();
   const std::string head =
       fmt::format("{} 2 {} {}\n", numbers.count(), names.size() - (has_marker ? 1 : 0), has_marker ? 1 : 0);
-  const GlobalIndex block_nodes = std::max<GlobalIndex>(1, buffer_bytes / usual_line_bytes);
+  const GlobalIndex block_nodes = std::max<GlobalIndex>(1, writing.buffer_bytes / usual_line_bytes);
   const PointsByBlock points = collectively(comm, [&] {
     write_text_at(comm, file, 0, head);
     return PointsByBlock(mesh, numbers, block_nodes, file.path());
   });
   auto end = static_cast<std::int64_t>(head.size());
+  ProgressCount count(writing.progress, "write", static_cast<double>(points.node_count()));
   for (std::int64_t block = 0; points.first_of_block(block) < points.node_count(); block += comm.size()) {
     const PointTable own = make_block(comm, points, block, names, file.path());
     TextStyle style;
@@ -221,7 +221,11 @@ void write_nodes(const Communicator &comm, const DistributedMesh &mesh, const No
     collectively(comm, [&] { append_lines(own, 0, own.points.size(), style, text); });
     const auto bytes = static_cast<std::int64_t>(text.size());
     const std::int64_t offset = end + exclusive_scan(comm, bytes);
-    collectively(comm, [&] { file.write_at(offset, std::as_bytes(std::span(text))); });
+    collectively(comm, [&] {
+      file.write_at(offset, std::as_bytes(std::span(text)));
+      count.add(
+          static_cast<double>(points.first_of_block(block + comm.size()) - points.first_of_block(block)));
+    });
     end += all_reduce_sum(comm, bytes);
   }
 }
@@ -229,23 +233,24 @@ void write_nodes(const Communicator &comm, const DistributedMesh &mesh, const No
 /// Collective. Lines "triangle a b c" of all triangles, a, b, c being value(slab of this rank, side).
 template <class MakeValue>
 void write_triples(const Communicator &comm, const DistributedMesh &mesh, OutputFile &file,
-                   const std::string &head, std::int64_t buffer_bytes, MakeValue &&make_value) {
+                   const std::string &head, const MeshWriting &writing, MakeValue &&make_value) {
   collectively(comm, [&] { write_text_at(comm, file, 0, head); });
-  write_lines(comm, file, static_cast<std::int64_t>(head.size()), buffer_bytes, [&](auto &sink) {
-    for (std::size_t k = 0; k < mesh.slabs.size(); ++k) {
-      const SlabMesh &slab = mesh.slabs[k];
-      auto value = make_value(k);
-      const GlobalIndex triangles = slab.triangles.triangle_count();
-      for (GlobalIndex t = 0; t < triangles; ++t) {
-        sink.add(slab.first_triangle + t);
-        for (GlobalIndex side = 3 * t; side < 3 * t + 3; ++side) {
-          sink.add(' ');
-          sink.add(value(side));
-        }
-        sink.end_line();
-      }
-    }
-  });
+  write_lines(comm, file, static_cast<std::int64_t>(head.size()), writing.buffer_bytes, writing.progress,
+              [&](auto &sink) {
+                for (std::size_t k = 0; k < mesh.slabs.size(); ++k) {
+                  const SlabMesh &slab = mesh.slabs[k];
+                  auto value = make_value(k);
+                  const GlobalIndex triangles = slab.triangles.triangle_count();
+                  for (GlobalIndex t = 0; t < triangles; ++t) {
+                    sink.add(slab.first_triangle + t);
+                    for (GlobalIndex side = 3 * t; side < 3 * t + 3; ++side) {
+                      sink.add(' ');
+                      sink.add(value(side));
+                    }
+                    sink.end_line();
+                  }
+                }
+              });
 }
 
 } // namespace
@@ -260,16 +265,20 @@ std::vector<std::string> triangle_files(const std::string &path) {
 
 std::vector<std::string> write_triangle_files(const Communicator &comm, const DistributedMesh &mesh,
                                               const std::string &path, const MeshWriting &writing) {
-  const std::vector<std::string> names = triangle_files(path);
+  std::vector<std::string> names = triangle_files(path);
   std::vector<std::unique_ptr<OutputFile>> parts;
   for (const std::string &name : {names[0], names[1]})
     parts.push_back(std::make_unique<OutputFile>(comm, name));
   OutputFile elements(comm, names[2]);
   const NodeNumbers numbers(comm, mesh, path);
-  write_nodes(comm, mesh, numbers, writing.buffer_bytes, *parts[0]);
-  write_triples(comm, mesh, *parts[1], fmt::format("{} 3\n", mesh.triangle_count()), writing.buffer_bytes,
+  // The usual shares of the time.
+  const auto part = [&](double from, double to) {
+    return MeshWriting{writing.buffer_bytes, part_of_stage(writing.progress, from, to)};
+  };
+  write_nodes(comm, mesh, numbers, part(0, 0.5), *parts[0]);
+  write_triples(comm, mesh, *parts[1], fmt::format("{} 3\n", mesh.triangle_count()), part(0.5, 0.75),
                 [&](std::size_t k) { return NeighbourNumbers(mesh.slabs[k]); });
-  write_triples(comm, mesh, elements, fmt::format("{} 3 0\n", mesh.triangle_count()), writing.buffer_bytes,
+  write_triples(comm, mesh, elements, fmt::format("{} 3 0\n", mesh.triangle_count()), part(0.75, 1),
                 [&](std::size_t k) {
                   return [&, k](GlobalIndex side) {
                     return numbers.of_vertex(k, mesh.slabs[k].triangles.corners[at(side)]);

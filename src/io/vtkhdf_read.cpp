@@ -68,21 +68,23 @@ Columns open_columns(const Reader &reader, const Header &header) {
   return columns;
 }
 
-/// Rows first .. first + count - 1 of a column of single numbers.
-template <class T> std::vector<T> rows(const Column &column, GlobalIndex first, GlobalIndex count) {
-  std::vector<T> values(at(count));
-  const std::int64_t step = hdf5::rows_within<T>(buffer_bytes, 1);
-  for (std::int64_t begin = 0; begin < count; begin += step)
-    hdf5::read_rows(column, hdf5::NumberType<T>::native(), first + begin, std::min(step, count - begin),
-                    values.data() + begin);
-  return values;
+/// How many numbers the slabs first .. end - 1 have in all columns.
+double numbers_of_slabs(const Header &header, int first, int end) {
+  const auto rows = [&](const std::vector<GlobalIndex> &offsets) {
+    return static_cast<double>(offsets[at(end)] - offsets[at(first)]);
+  };
+  const Extents &extents = header.extents;
+  const auto plain = static_cast<double>(header.attribute_names.size()) - (header.has_z() ? 1 : 0);
+  return (6 + plain) * rows(extents.vertices) + 8 * rows(extents.triangles) + (end - first) +
+         rows(extents.paths) + (header.has_z() ? 3 : 2) * rows(extents.duplicates);
 }
 
 /// Reads the slabs of one file, one after another.
 class SlabReader {
 public:
-  SlabReader(const Reader &reader, const Header &header)
-      : reader_(reader), header_(header), columns_(open_columns(reader, header)) {}
+  /// `done` counts numbers.
+  SlabReader(const Reader &reader, const Header &header, ProgressCount &done)
+      : reader_(reader), header_(header), columns_(open_columns(reader, header)), done_(done) {}
 
   SlabMesh read(int s) const {
     const Extents &extents = header_.extents;
@@ -101,27 +103,46 @@ public:
     const GlobalIndex first = header_.extents.duplicates[at(first_slab)];
     const GlobalIndex count = header_.extents.duplicates[at(end_slab)] - first;
     std::vector<Duplicate> result(at(count));
-    hdf5::read_in_pieces<std::int64_t>(columns_.duplicates, first, count, buffer_bytes,
-                                       [&](auto begin, auto end, const std::int64_t *in) {
-                                         for (auto d = begin; d < end; ++d, in += 2)
-                                           result[at(d)] = {in[0], in[1]};
-                                       });
+    read_in_pieces<std::int64_t>(columns_.duplicates, first, count,
+                                 [&](auto begin, auto end, const std::int64_t *in) {
+                                   for (auto d = begin; d < end; ++d, in += 2)
+                                     result[at(d)] = {in[0], in[1]};
+                                 });
     for (int s = first_slab; s < end_slab; ++s)
       expect_duplicates_of(s, std::span(result), first);
     if (header_.has_z())
-      hdf5::read_in_pieces<double>(columns_.duplicate_z, first, count, buffer_bytes,
-                                   [&](auto begin, auto end, const double *in) {
-                                     for (auto d = begin; d < end; ++d)
-                                       result[at(d)].z = *in++;
-                                   });
+      read_in_pieces<double>(columns_.duplicate_z, first, count, [&](auto begin, auto end, const double *in) {
+        for (auto d = begin; d < end; ++d)
+          result[at(d)].z = *in++;
+      });
     return result;
   }
 
 private:
+  /// Rows first .. first + count - 1 of a column of single numbers.
+  template <class T> std::vector<T> rows(const Column &column, GlobalIndex first, GlobalIndex count) const {
+    std::vector<T> values(at(count));
+    const std::int64_t step = hdf5::rows_within<T>(buffer_bytes, 1);
+    for (std::int64_t begin = 0; begin < count; begin += step) {
+      const std::int64_t part = std::min(step, count - begin);
+      hdf5::read_rows(column, hdf5::NumberType<T>::native(), first + begin, part, values.data() + begin);
+      done_.add(static_cast<double>(part));
+    }
+    return values;
+  }
+
+  template <class T, class Take>
+  void read_in_pieces(const Column &column, GlobalIndex first, GlobalIndex count, Take &&take) const {
+    hdf5::read_in_pieces<T>(column, first, count, buffer_bytes, [&](auto begin, auto end, const T *in) {
+      take(begin, end, in);
+      done_.add(static_cast<double>((end - begin) * column.width));
+    });
+  }
+
   /// Reads a column that holds nothing new, and refuses the file where it is not what it must be.
   template <class T, class Expected>
   void expect(const Column &column, GlobalIndex first, GlobalIndex count, Expected &&expected) const {
-    hdf5::read_in_pieces<T>(column, first, count, buffer_bytes, [&](auto begin, auto end, const T *in) {
+    read_in_pieces<T>(column, first, count, [&](auto begin, auto end, const T *in) {
       for (auto row = begin; row < end; ++row, ++in)
         if (*in != expected(row))
           reader_.refuse(fmt::format("{}, row {}", column.name, first + row),
@@ -159,16 +180,15 @@ private:
       if (is_z)
         z = table.attributes.back().values.data(); // a vector keeps its place when it is moved
     }
-    hdf5::read_in_pieces<double>(columns_.points, first, count, buffer_bytes,
-                                 [&](auto begin, auto end, const double *in) {
-                                   for (auto v = begin; v < end; ++v, in += 3) {
-                                     table.points[at(v)] = {in[0], in[1]};
-                                     if (z != nullptr)
-                                       z[v] = in[2];
-                                     else if (!(in[2] == 0))
-                                       refuse_height(first + v, in[2]);
-                                   }
-                                 });
+    read_in_pieces<double>(columns_.points, first, count, [&](auto begin, auto end, const double *in) {
+      for (auto v = begin; v < end; ++v, in += 3) {
+        table.points[at(v)] = {in[0], in[1]};
+        if (z != nullptr)
+          z[v] = in[2];
+        else if (!(in[2] == 0))
+          refuse_height(first + v, in[2]);
+      }
+    });
     table.input_index = rows<GlobalIndex>(columns_.input_index, first, count);
     expect<std::uint8_t>(columns_.ghost_type, first, count, [&](auto v) {
       return v < slab.own_count ? std::uint8_t{0} : vtkhdf::duplicate_point;
@@ -184,8 +204,8 @@ private:
     const GlobalIndex count = header_.extents.triangles[at(s) + 1] - first;
     slab.triangles.corners = rows<LocalIndex>(columns_.connectivity, 3 * first, 3 * count);
     slab.triangles.neighbours.resize(at(3 * count));
-    hdf5::read_in_pieces<std::int64_t>(
-        columns_.neighbours, first, count, buffer_bytes, [&](auto begin, auto end, const std::int64_t *in) {
+    read_in_pieces<std::int64_t>(
+        columns_.neighbours, first, count, [&](auto begin, auto end, const std::int64_t *in) {
           for (auto side = 3 * begin; side < 3 * end; ++side) {
             const GlobalIndex number = *in++;
             const bool inside = number >= first && number < first + count;
@@ -202,10 +222,11 @@ private:
   const Reader &reader_;
   const Header &header_;
   Columns columns_;
+  ProgressCount &done_;
 };
 
 /// Local.
-DistributedMesh read_slabs(const std::string &path, int rank, int ranks) {
+DistributedMesh read_slabs(const std::string &path, int rank, int ranks, const Progress &progress) {
   const Reader reader(path);
   const Header header = reader.read_header();
   const int slabs = header.extents.slabs();
@@ -220,7 +241,8 @@ DistributedMesh read_slabs(const std::string &path, int rank, int ranks) {
   mesh.coordinate_system = header.coordinate_system;
   mesh.first_slab = first_slab_of_rank(slabs, rank, ranks);
   const int end = first_slab_of_rank(slabs, rank + 1, ranks);
-  const SlabReader slab_reader(reader, header);
+  ProgressCount done(progress, "read", numbers_of_slabs(header, mesh.first_slab, end));
+  const SlabReader slab_reader(reader, header, done);
   for (int s = mesh.first_slab; s < end; ++s)
     mesh.slabs.push_back(slab_reader.read(s));
   mesh.duplicates = slab_reader.read_duplicates(mesh.first_slab, end);
@@ -254,8 +276,8 @@ Box read_box(const Reader &reader, const Header &header, int rank, int ranks) {
 
 } // namespace
 
-DistributedMesh read_mesh(const Communicator &comm, const std::string &path) {
-  return collectively_on(comm, path, [&] { return read_slabs(path, comm.rank(), comm.size()); });
+DistributedMesh read_mesh(const Communicator &comm, const std::string &path, const Progress &progress) {
+  return collectively_on(comm, path, [&] { return read_slabs(path, comm.rank(), comm.size(), progress); });
 }
 
 MeshDescription describe_mesh(const Communicator &comm, const std::string &path) {

@@ -190,6 +190,9 @@ std::vector<std::string> write_vtkhdf(const Communicator &comm, const Distribute
   vtkhdf::Skeleton skeleton = collectively(
       comm, [&] { return comm.is_root() ? prepare(file, mesh, extents, names) : vtkhdf::Skeleton{}; });
   broadcast(comm, skeleton.column_bytes);
+  broadcast(comm, skeleton.file_bytes);
+  ProgressCount count = count_of_rank(mesh, writing, skeleton.file_bytes);
+  file.count_into(&count);
   collectively(comm, [&] {
     write_rows_of_rank(Columns(file, skeleton.column_bytes, writing.buffer_bytes), mesh, extents, has_z);
   });

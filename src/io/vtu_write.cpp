@@ -113,15 +113,20 @@ private:
   const std::int64_t buffer_bytes_;
 };
 
+Layout layout_of_part(const SlabMesh &slab, const std::vector<std::string> &attributes) {
+  const auto vertices = static_cast<GlobalIndex>(slab.vertices.points.size());
+  return vtu::layout_of({vertices, slab.triangles.triangle_count(), sizeof(LocalIndex), true, attributes});
+}
+
 /// The part of a slab, of its own name, whole and on disk but for its name. Local: `alone` is this rank's
 /// own.
 std::unique_ptr<OutputFile> write_part(const Communicator &alone, const std::string &path,
                                        const SlabMesh &slab, const std::vector<std::string> &attributes,
-                                       std::int64_t buffer_bytes) {
+                                       std::int64_t buffer_bytes, ProgressCount &count) {
   const auto vertices = static_cast<GlobalIndex>(slab.vertices.points.size());
-  const Layout layout =
-      vtu::layout_of({vertices, slab.triangles.triangle_count(), sizeof(LocalIndex), true, attributes});
+  const Layout layout = layout_of_part(slab, attributes);
   auto file = std::make_unique<OutputFile>(alone, path);
+  file->count_into(&count);
   make_room(alone, *file, layout.file_bytes);
   write_frame(alone, *file, layout);
   const SlabWriter writer(*file, layout, slab, {0, 0, vertices}, buffer_bytes);
@@ -137,7 +142,9 @@ std::vector<std::string> write_vtu(const Communicator &comm, const DistributedMe
                                    const std::string &path, const MeshWriting &writing) {
   const Layout layout = vtu::layout_of({mesh.site_count(), mesh.triangle_count(), sizeof(GlobalIndex), false,
                                         without_z(gather_attribute_names(comm, mesh))});
+  ProgressCount count = count_of_rank(mesh, writing, layout.file_bytes);
   OutputFile file(comm, path);
+  file.count_into(&count);
   make_room(comm, file, layout.file_bytes);
   collectively(comm, [&] {
     write_frame(comm, file, layout);
@@ -160,13 +167,17 @@ std::vector<std::string> write_pvtu(const Communicator &comm, const DistributedM
     files.push_back(fmt::format("{}.{}.vtu", without_extension(path), s));
     sources.push_back(std::filesystem::path(files.back()).filename().string());
   }
+  std::int64_t bytes = 0;
+  for (const SlabMesh &slab : mesh.slabs)
+    bytes += layout_of_part(slab, attributes).file_bytes;
+  ProgressCount count(writing.progress, "write", static_cast<double>(bytes));
   const Communicator alone = comm.split(comm.rank());
   std::vector<std::unique_ptr<OutputFile>> parts;
   OutputFile file(comm, path);
   collectively(comm, [&] {
     for (const SlabMesh &slab : mesh.slabs)
       parts.push_back(write_part(alone, files[at(mesh.first_slab) + parts.size()], slab, attributes,
-                                 writing.buffer_bytes));
+                                 writing.buffer_bytes, count));
     write_text_at(comm, file, 0,
                   vtu::summary_of(vtu::layout_of({0, 0, sizeof(LocalIndex), true, attributes}), sources));
   });

@@ -1,8 +1,10 @@
 /// How long loops tell whoever waits how far they are.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <string_view>
+#include <utility>
 
 namespace dovetail {
 
@@ -14,5 +16,34 @@ inline void report_progress(const Progress &progress, std::string_view stage, do
   if (progress)
     progress(stage, fraction);
 }
+
+/// For whoever does several things in one stage: what is told of one of them, 0 to 1, is `from` to `to` of
+/// the stage.
+inline Progress part_of_stage(const Progress &progress, double from, double to) {
+  if (!progress)
+    return {};
+  return [progress, from, to](std::string_view stage, double fraction) {
+    progress(stage, from + (to - from) * fraction);
+  };
+}
+
+/// Counts what is done of a stage, in any unit, and tells it each time. Local.
+class ProgressCount {
+public:
+  /// `whole`: all there is to do, at least about.
+  ProgressCount(Progress progress, std::string_view stage, double whole)
+      : progress_(std::move(progress)), stage_(stage), whole_(whole) {}
+  void add(double amount) {
+    done_ += amount;
+    if (amount > 0)
+      report_progress(progress_, stage_, std::min(1.0, done_ / whole_));
+  }
+
+private:
+  Progress progress_;
+  std::string_view stage_; ///< a literal
+  double whole_;
+  double done_ = 0;
+};
 
 } // namespace dovetail

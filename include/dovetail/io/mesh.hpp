@@ -17,6 +17,7 @@
 ///   is a z; attributes, the names in order; coordinate_system/0, 1, ...: one dataset u8 a record.
 #pragma once
 
+#include "dovetail/base/progress.hpp"
 #include "dovetail/comm/communicator.hpp"
 #include "dovetail/distributed/mesh.hpp"
 
@@ -32,6 +33,7 @@ inline constexpr int mesh_format_version = 1;
 struct MeshWriting {
   /// Columns pass through a buffer of this size, and no single write is larger.
   std::int64_t buffer_bytes = std::int64_t{8} << 20;
+  Progress progress = {}; ///< stage "write": about how much of this rank's part
 };
 
 /// Collective. Writes the mesh in the format that the name's extension says (in small or capital letters):
@@ -74,8 +76,9 @@ std::vector<std::string> mesh_files(const std::string &path);
 /// nothing: sizes are checked against each other and the file before memory is taken for them. What is wrong
 /// with a mesh that a DistributedMesh can represent is left to `validate`.
 /// Errors (input): missing, unreadable, truncated, not HDF5, not a mesh of ours, a newer format, a dataset
-/// that is missing or has another type or shape, sizes that contradict each other.
-DistributedMesh read_mesh(const Communicator &comm, const std::string &path);
+/// that is missing or has another type or shape, sizes that contradict each other. `progress`: stage "read",
+/// how much of this rank's part.
+DistributedMesh read_mesh(const Communicator &comm, const std::string &path, const Progress &progress = {});
 
 /// What can be said of a mesh file without reading its triangles.
 struct MeshDescription {

@@ -1,10 +1,12 @@
 /// A file that all ranks write together, aside, and that appears under its name only when it is complete.
 #pragma once
 
+#include "dovetail/base/progress.hpp"
 #include "dovetail/comm/communicator.hpp"
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <span>
 #include <string>
@@ -43,8 +45,12 @@ public:
   /// Where it is until it is committed: output_target(path()) + ".partial", in the same folder as that.
   const std::string &aside() const { return aside_; }
 
-  /// Local: throws an Error, so call it inside `collectively`. Ranks' ranges must not overlap.
+  /// Local: throws an Error, so call it inside `collectively`. Ranks' ranges must not overlap. Where the
+  /// system can do that, waits while the disk is far behind: memory does not fill with what the disk has yet
+  /// to take, and the sync at the end is a short one.
   void write_at(std::int64_t offset, std::span<const std::byte> bytes);
+  /// Local. From now on write_at adds its bytes to this, which must outlive the writing; null for nobody.
+  void count_into(ProgressCount *count) { count_ = count; }
 
   /// Collective. Brings to disk (fsync) what was written, and closes the file aside: nothing may be written
   /// afterwards. For one of many files; commit does it by itself.
@@ -58,6 +64,7 @@ private:
                               OutputFile &main);
   void open();
   void close() noexcept;
+  void push_to_disk(std::int64_t offset, std::int64_t bytes);
   /// Collective. `for_now`: abandon_outputs takes the name back, until settle, which is Local.
   void give_name(bool for_now);
   void settle();
@@ -69,6 +76,12 @@ private:
   std::string target_; // what is replaced
   std::string aside_;
   int descriptor_ = -1;
+  ProgressCount *count_ = nullptr;
+  struct Range {
+    std::int64_t offset, bytes;
+  };
+  std::deque<Range> under_way_; // to the disk, the oldest first
+  std::int64_t bytes_under_way_ = 0;
   bool created_ = false; // by this rank, the root, and not yet committed
 };
 

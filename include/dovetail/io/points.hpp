@@ -19,6 +19,7 @@
 
 #include "dovetail/base/error.hpp"
 #include "dovetail/base/point_table.hpp"
+#include "dovetail/base/progress.hpp"
 #include "dovetail/comm/communicator.hpp"
 
 #include <array>
@@ -92,6 +93,7 @@ struct PointReading {
   std::vector<int> classes; ///< LAS: only points of these classes (0 to 255); empty: all
   /// Records pass through a buffer of about this size (at least one record or line).
   std::int64_t buffer_bytes = std::int64_t{4} << 20;
+  Progress progress = {}; ///< stage "read": how much of this rank's part
 };
 
 /// What became of the records of one file.
@@ -145,6 +147,7 @@ struct PointWriting {
   std::int64_t buffer_bytes = std::int64_t{4} << 20;
   /// A rank keeps so much text from measuring it to writing it; what is beyond is made twice.
   std::int64_t kept_bytes = std::int64_t{256} << 20;
+  Progress progress = {}; ///< stage "write": how much of this rank's part
 };
 
 /// Collective. Writes the points with all attributes in the order of the ranks; written aside and renamed
