@@ -223,6 +223,8 @@ std::int64_t padding_bytes(const Field &field) {
   return is_padding && bytes > 0 && bytes <= longest_header ? bytes : 0;
 }
 
+bool is_control(char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }
+
 // An array of records with named fields.
 void take_fields(PointFile &result, const InputFile &file, const ArrayHeader &header) {
   if (header.shape.size() != 1)
@@ -243,6 +245,9 @@ void take_fields(PointFile &result, const InputFile &file, const ArrayHeader &he
                   fmt::format("the field '{}' is of type '{}', which cannot be carried", excerpt(field.name),
                               excerpt(field.type)),
                   "make it '<f8', or leave it out");
+    if (std::any_of(field.name.begin(), field.name.end(), is_control))
+      file.refuse(0, fmt::format("the name of the field '{}' has control characters", excerpt(field.name)),
+                  "rename the field with numpy.lib.recfunctions.rename_fields");
     result.columns.push_back({field.name, *type, result.record_bytes});
     result.record_bytes += bytes_of(*type);
   }
