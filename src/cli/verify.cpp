@@ -49,18 +49,14 @@ void print_checks(const VerifyOptions &options, const ValidationReport &found) {
 }
 
 ValidationReport check(const VerifyOptions &options, const Communicator &comm, ProgressMeter &meter,
-                       PhaseLog &phases, DistributedMesh &mesh) {
-  meter.begin("read");
-  const double share_of_mesh = options.points.empty() ? 1 : 0.6; // of the time for both
-  mesh = phases.measure("read", [&] {
-    return read_mesh(comm, options.mesh, part_of_stage(progress_into(meter), 0, share_of_mesh));
-  });
+                       PhaseLog &phases, SlabSource &mesh) {
   if (options.points.empty()) {
     meter.begin("check");
     return phases.measure("check", [&] { return validate(comm, mesh, progress_into(meter)); });
   }
+  meter.begin("read");
   PointReading reading = options.reading;
-  reading.progress = part_of_stage(progress_into(meter), share_of_mesh, 1);
+  reading.progress = progress_into(meter);
   const PointInput input = phases.measure("read", [&] { return read_points(comm, options.points, reading); });
   meter.begin("check");
   return phases.measure("check", [&] { return validate(comm, mesh, input.points, progress_into(meter)); });
@@ -120,8 +116,10 @@ ExitCode verify(const VerifyOptions &options, const Session &session) {
 
   ProgressMeter meter(progress_style(comm.is_root(), options.telling), {{"read", 1}, {"check", 30}});
   PhaseLog phases(comm);
-  DistributedMesh mesh;
-  const ValidationReport found = check(options, comm, meter, phases, mesh);
+  const std::unique_ptr<SlabSource> source =
+      phases.measure("read", [&] { return open_mesh(comm, options.mesh); });
+  const ValidationReport found = check(options, comm, meter, phases, *source);
+  const DistributedMesh &mesh = source->common();
   meter.finish();
   const std::vector<PhaseSummary> times = summarise(comm, phases);
   Report report = report_of(options, session, mesh, found);

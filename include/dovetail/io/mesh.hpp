@@ -20,8 +20,10 @@
 #include "dovetail/base/progress.hpp"
 #include "dovetail/comm/communicator.hpp"
 #include "dovetail/distributed/mesh.hpp"
+#include "dovetail/distributed/slab_source.hpp"
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -79,6 +81,10 @@ std::vector<std::string> mesh_files(const std::string &path);
 /// that is missing or has another type or shape, sizes that contradict each other. `progress`: stage "read",
 /// how much of this rank's part.
 DistributedMesh read_mesh(const Communicator &comm, const std::string &path, const Progress &progress = {});
+
+/// Collective. The same mesh, of which only what all ranks share is read now, and each slab when it is asked
+/// for. Errors as in read_mesh: those of slabs come from the SlabSource, on the rank that asks.
+std::unique_ptr<SlabSource> open_mesh(const Communicator &comm, const std::string &path);
 
 /// What can be said of a mesh file without reading its triangles.
 struct MeshDescription {
