@@ -42,8 +42,10 @@
 
 namespace dovetail {
 
+inline constexpr double most_min_angle = 34;
+
 struct RefineOptions {
-  double min_angle = 26.45; ///< degrees, 0 (no bound) to 34
+  double min_angle = 26.45; ///< degrees, 0 (no bound) to most_min_angle
   double max_area = 0;      ///< 0: no limit
   /// Of region i of the graph, 0: no limit of its own; regions behind its end have none.
   std::vector<double> max_area_of_region;
@@ -92,10 +94,11 @@ struct Refined {
   LocalIndex points_on_segments = 0;            ///< and on segments
 };
 
-/// Refines a constrained Delaunay triangulation, for example what `constrain` or `refine` gave. Segments that
-/// come in pieces already count as the segments they are pieces of: their inner vertices are Steiner points.
+/// Refines a constrained Delaunay triangulation, for example what `constrain` or `refine` gave. `segments`:
+/// those that segment_of_side counts, the graph's and behind them Constrained::hull_segments. A segment may
+/// come in pieces already; what lies on it between its ends counts as Steiner points.
 /// An Error (usage) for options out of range. Expected O(n log n) for n vertices of the result; memory for
 /// the result twice.
-Refined refine(DomainMesh mesh, const RefineOptions &options = {});
+Refined refine(DomainMesh mesh, std::span<const Segment> segments, const RefineOptions &options = {});
 
 } // namespace dovetail
