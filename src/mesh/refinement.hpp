@@ -32,6 +32,13 @@ private:
     LocalIndex from, to;
   };
 
+  std::vector<LeftTriangle> triangles_left() const;
+  std::vector<LeftSubsegment> subsegments_left() const;
+  LocalIndex given_or_new(LocalIndex v) const {
+    return static_cast<std::size_t>(v) < given_number_.size() ? given_number_[static_cast<std::size_t>(v)]
+                                                              : v;
+  }
+
   void number_vertices(const DomainMesh &mesh);
   void lock(const std::function<bool(LocalIndex, int)> &locked);
   void look_at_all();
@@ -47,6 +54,7 @@ private:
   bool encroaches(Point p);
   LocalIndex add_vertex(Point p, LocalIndex segment);
 
+  bool is_below_bound(const SquaredSides &sides) const;
   bool is_bad(LocalIndex t, const SquaredSides &sides) const;
   bool is_exempt(LocalIndex t, std::size_t shortest) const;
   bool is_too_large(LocalIndex t) const;
@@ -72,6 +80,7 @@ private:
 
   std::vector<Subsegment> encroached_;
   SkinnyQueue skinny_;
+  SkinnyQueue::Tile tile_ = 0; ///< of what is being looked at: new triangles are their parent's neighbours
   CavitySearch search_;
   Cavity cavity_, right_cavity_;
   std::vector<Subsegment> blocking_; ///< subsegments that a point would encroach on
