@@ -114,13 +114,8 @@ void Refinement::look_at_triangle(LocalIndex t, const SquaredSides &sides) {
     skinny_.push(sides.side[sides.shortest()], {t, faces_.face(t).corner, tile_});
 }
 
-bool Refinement::is_below_bound(const SquaredSides &sides) const {
-  const std::size_t i = sides.shortest();
-  return bound_.is_below(sides.side[i], sides.side[i == 0 ? 2 : i - 1], sides.side[i == 2 ? 0 : i + 1]);
-}
-
 bool Refinement::is_bad(LocalIndex t, const SquaredSides &sides) const {
-  return (is_below_bound(sides) && !is_exempt(t, sides.shortest())) || is_too_large(t);
+  return (bound_.is_below(sides) && !is_exempt(t, sides.shortest())) || is_too_large(t);
 }
 
 bool Refinement::is_exempt(LocalIndex t, std::size_t shortest) const {

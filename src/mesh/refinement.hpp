@@ -54,7 +54,6 @@ private:
   bool encroaches(Point p);
   LocalIndex add_vertex(Point p, LocalIndex segment);
 
-  bool is_below_bound(const SquaredSides &sides) const;
   bool is_bad(LocalIndex t, const SquaredSides &sides) const;
   bool is_exempt(LocalIndex t, std::size_t shortest) const;
   bool is_too_large(LocalIndex t) const;

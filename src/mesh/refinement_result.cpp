@@ -16,7 +16,7 @@ std::vector<LeftTriangle> Refinement::triangles_left() const {
     const Face &face = faces_.face(t);
     const Point a = point(face.corner[0]), b = point(face.corner[1]), c = point(face.corner[2]);
     const SquaredSides sides = squared_sides(a, b, c);
-    if (!is_below_bound(sides) && !is_too_large(t))
+    if (!bound_.is_below(sides) && !is_too_large(t))
       continue;
     LeftReason reason = LeftReason::small_input_angle;
     if (is_bad(t, sides)) {
