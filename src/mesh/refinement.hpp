@@ -1,0 +1,98 @@
+/// One run of Ruppert's algorithm (mesh/refine.hpp). Private to mesh.
+///
+/// Everything that is changed passes through two functions, insert_inside and split: a point is made, its
+/// cavity found, looked at, and committed or left. The fan around the new point is then looked at for
+/// encroached subsegments and skinny triangles, which wait in two queues, the subsegments first. Entries are
+/// never taken out when what they name goes: they are recognised as stale when their turn comes.
+#pragma once
+
+#include "dovetail/mesh/quality.hpp"
+#include "dovetail/mesh/refine.hpp"
+#include "faces.hpp"
+#include "skinny_queue.hpp"
+#include "steiner_cavity.hpp"
+
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+namespace dovetail {
+
+class Refinement {
+public:
+  Refinement(DomainMesh mesh, std::span<const Segment> segments, const RefineOptions &options);
+  void run();
+  /// Once, after run.
+  Refined result();
+
+private:
+  /// A piece of a segment as it was, with the triangle on its left that gave reason to split it.
+  struct Subsegment {
+    HalfEdge side;
+    LocalIndex from, to;
+  };
+
+  std::vector<LeftTriangle> triangles_left() const;
+  std::vector<LeftSubsegment> subsegments_left() const;
+  LocalIndex given_or_new(LocalIndex v) const {
+    return static_cast<std::size_t>(v) < given_number_.size() ? given_number_[static_cast<std::size_t>(v)]
+                                                              : v;
+  }
+
+  void number_vertices(const DomainMesh &mesh);
+  void lock(const std::function<bool(LocalIndex, int)> &locked);
+  void look_at_all();
+  void look_at_fan(const Cavity &cavity);
+  void look_at_subsegment(HalfEdge h);
+  void look_at_triangle(LocalIndex t, const SquaredSides &sides);
+
+  void split_encroached();
+  void split(HalfEdge h);
+  std::optional<Point> split_point(HalfEdge h) const;
+  bool fits(HalfEdge h, Point p) const;
+  void insert_inside(const SkinnyQueue::Entry &entry);
+  bool encroaches(Point p);
+  LocalIndex add_vertex(Point p, LocalIndex segment);
+
+  bool is_bad(LocalIndex t, const SquaredSides &sides) const;
+  bool is_exempt(LocalIndex t, std::size_t shortest) const;
+  bool is_too_large(LocalIndex t) const;
+  double field_limit(const Face &face) const;
+  void extend_size(const Cavity &cavity, LocalIndex v);
+  double least_squared_distance(const Cavity &cavity) const;
+  std::optional<LeftReason> too_near(double squared_distance) const;
+  void leave(LocalIndex t, LeftReason reason);
+  void leave_subsegment(HalfEdge h, LeftReason reason);
+  std::optional<LeftReason> left_reason(HalfEdge h) const;
+
+  Point point(LocalIndex v) const { return vertices_[static_cast<std::size_t>(v)]; }
+
+  const RefineOptions &options_;
+  std::span<const Segment> segments_;
+  AngleBound bound_;
+  SmallAngles small_angles_;
+  double floor_ = 0; ///< squared distance that doubles still resolve
+
+  std::vector<LocalIndex> given_number_; ///< of the vertices, which are numbered in the order of triangles
+  std::vector<Point> vertices_;
+  std::vector<LocalIndex> segment_of_vertex_; ///< as segments_of_vertices
+  std::vector<double> size_;                  ///< of edges at a vertex; empty without a size field
+  std::vector<std::int32_t> given_markers_;
+  Faces faces_;
+
+  std::vector<Subsegment> encroached_;
+  SkinnyQueue skinny_;
+  SkinnyQueue::Tile tile_ = 0; ///< of what is being looked at: new triangles are their parent's neighbours
+  CavitySearch search_;
+  Cavity cavity_, right_cavity_;
+  std::vector<Subsegment> blocking_; ///< subsegments that a point would encroach on
+  struct Left {
+    std::array<LocalIndex, 3> corner;
+    LeftReason reason;
+  };
+  std::unordered_map<LocalIndex, Left> left_triangles_;         ///< by face
+  std::unordered_map<std::uint64_t, LeftReason> left_segments_; ///< by both ends
+  bool full_ = false;                                           ///< no more points
+};
+
+} // namespace dovetail

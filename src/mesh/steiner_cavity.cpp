@@ -1,0 +1,128 @@
+#include "steiner_cavity.hpp"
+
+#include "dovetail/geometry/constructions.hpp"
+#include "dovetail/geometry/predicates.hpp"
+
+#include <cassert>
+
+namespace dovetail {
+namespace {
+
+constexpr std::size_t index(LocalIndex i) { return static_cast<std::size_t>(i); }
+
+} // namespace
+
+bool CavitySearch::in_conflict(const Face &face, Point p) const {
+  return in_circle(point(face.corner[0]), point(face.corner[1]), point(face.corner[2]), p) == Sign::positive;
+}
+
+bool CavitySearch::find(LocalIndex face, Point p, Cavity &cavity) {
+  if (!in_conflict(faces_.face(face), p))
+    return false;
+  cavity.faces.assign(1, face);
+  cavity.open = false;
+  to_dig_.clear();
+  for (HalfEdge h = 4 * face + 2; h >= 4 * face; --h)
+    to_dig_.push_back(h);
+  dig(p, cavity);
+  return true;
+}
+
+bool CavitySearch::find_half(HalfEdge subsegment, Point p, Cavity &cavity) {
+  if (!in_conflict(faces_.face(face_of(subsegment)), p))
+    return false;
+  cavity.faces.assign(1, face_of(subsegment));
+  cavity.open = true;
+  cavity.segment = faces_.segment(subsegment);
+  cavity.last = faces_.from(subsegment);
+  cavity.last_point = point(cavity.last);
+  cavity.last_squared_distance = squared_distance(cavity.last_point, p);
+  to_dig_.clear();
+  to_dig_.push_back(previous(subsegment));
+  to_dig_.push_back(next(subsegment));
+  dig(p, cavity);
+  return true;
+}
+
+/// Sides of cavity faces, the next in counter-clockwise order on top. The cavity is a tree of faces, so
+/// none is met twice.
+void CavitySearch::dig(Point p, Cavity &cavity) {
+  cavity.rim.clear();
+  cavity.locked = faces_.face(cavity.faces[0]).locked_sides != 0;
+  while (!to_dig_.empty()) {
+    const HalfEdge inside = to_dig_.back();
+    to_dig_.pop_back();
+    const HalfEdge outside = faces_.twin(inside);
+    LocalIndex segment = none;
+    if (faces_.is_segment(inside)) {
+      segment = faces_.segment(inside);
+    } else {
+      const Face &beyond = faces_.face(face_of(outside));
+      if (in_conflict(beyond, p)) {
+        cavity.faces.push_back(face_of(outside));
+        cavity.locked |= beyond.locked_sides != 0;
+        to_dig_.push_back(previous(outside));
+        to_dig_.push_back(next(outside));
+        continue;
+      }
+    }
+    const LocalIndex from = faces_.from(inside);
+    const Point at = point(from);
+    cavity.rim.push_back({inside, outside, segment, from, at, squared_distance(at, p)});
+  }
+}
+
+namespace {
+
+/// Fan triangle k has the vertex as corner 0 and edge k of the rim across; the fan is closed in itself, or
+/// open with its outer sides not linked.
+void build_fan(Cavity &cavity, LocalIndex vertex, Faces &faces) {
+  const std::size_t count = cavity.rim.size();
+  const std::int32_t region = faces.face(cavity.faces[0]).region;
+  while (cavity.faces.size() < count) {
+    cavity.faces.push_back(faces.count());
+    faces.faces.emplace_back();
+    faces.segment_of.resize(faces.segment_of.size() + 4);
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    const RimEdge &edge = cavity.rim[k];
+    const LocalIndex t = cavity.faces[k];
+    const LocalIndex after = k + 1 < count ? cavity.faces[k + 1] : cavity.faces[0];
+    const LocalIndex before = k > 0 ? cavity.faces[k - 1] : cavity.faces[count - 1];
+    faces.face(t) = {{vertex, edge.from, cavity.to(k)},
+                     {edge.outside, 4 * after + 2, 4 * before + 1},
+                     region,
+                     static_cast<std::uint8_t>(edge.segment != none ? 1 : 0),
+                     0,
+                     0};
+    if (edge.segment != none)
+      faces.segment_of[index(4 * t)] = edge.segment;
+    if (edge.outside != none)
+      faces.set_twin(edge.outside, 4 * t);
+  }
+}
+
+} // namespace
+
+void commit(Cavity &cavity, LocalIndex vertex, Faces &faces) {
+  assert(cavity.rim.size() == cavity.faces.size() + 2);
+  build_fan(cavity, vertex, faces);
+}
+
+void commit_halves(Cavity &left, Cavity &right, LocalIndex vertex, Faces &faces) {
+  build_fan(left, vertex, faces);
+  const HalfEdge left_first = 4 * left.faces.front() + 2, left_last = 4 * left.faces.back() + 1;
+  HalfEdge right_first = none, right_last = none;
+  if (!right.rim.empty()) {
+    build_fan(right, vertex, faces);
+    right_first = 4 * right.faces.front() + 2;
+    right_last = 4 * right.faces.back() + 1;
+  }
+  faces.link(left_first, right_last);
+  faces.link(left_last, right_first);
+  for (const HalfEdge h : {left_first, left_last, right_first, right_last})
+    if (h != none)
+      faces.set_segment(h, left.segment);
+}
+
+} // namespace dovetail

@@ -1,0 +1,77 @@
+/// How a Steiner point gets into a constrained Delaunay triangulation: its cavity is found, which changes
+/// nothing, and committed if the finder likes it. Private to mesh.
+///
+/// The cavity of a point are the triangles whose circles hold it, as far as it sees them; the fan between the
+/// point and the cavity's rim takes their place (Bowyer and Watson, 1981, with segments as walls). Nothing is
+/// located: the point is made from a triangle whose circle holds it, or from a subsegment.
+#pragma once
+
+#include "faces.hpp"
+
+#include <span>
+#include <vector>
+
+namespace dovetail {
+
+/// An edge of the rim, with the cavity on its left; it ends where the next one begins.
+struct RimEdge {
+  HalfEdge inside;    ///< of a face of the cavity
+  HalfEdge outside;   ///< none on the boundary
+  LocalIndex segment; ///< or none
+  LocalIndex from;
+  Point from_point;
+  double squared_distance; ///< of from_point from the new point
+};
+
+/// A half of a cavity on a segment is open: its rim goes from one end of the subsegment to the other, whose
+/// last edge is followed by `last`.
+struct Cavity {
+  std::vector<LocalIndex> faces; ///< of the cavity; once committed, fan triangle k is in the place k
+  std::vector<RimEdge> rim;      ///< counter-clockwise as seen from the point
+  bool open = false;
+  LocalIndex segment = none; ///< on which the point of an open one lies
+  LocalIndex last = none;    ///< vertex
+  Point last_point{};
+  double last_squared_distance = 0;
+  bool locked = false; ///< a face has a locked side
+
+  LocalIndex to(std::size_t k) const {
+    return k + 1 < rim.size() ? rim[k + 1].from : open ? last : rim[0].from;
+  }
+  Point to_point(std::size_t k) const {
+    return k + 1 < rim.size() ? rim[k + 1].from_point : open ? last_point : rim[0].from_point;
+  }
+  double to_squared_distance(std::size_t k) const {
+    return k + 1 < rim.size() ? rim[k + 1].squared_distance
+           : open             ? last_squared_distance
+                              : rim[0].squared_distance;
+  }
+};
+
+/// Finds cavities; keeps memory between calls.
+class CavitySearch {
+public:
+  CavitySearch(const std::vector<Point> &vertices, const Faces &faces) : vertices_(vertices), faces_(faces) {}
+
+  /// From a face whose circle is to hold p. False, and no cavity, if it does not.
+  bool find(LocalIndex face, Point p, Cavity &cavity);
+  /// The half left of a subsegment, of a point of the subsegment or near it. False, and no cavity, if the
+  /// circle of its face does not hold p.
+  bool find_half(HalfEdge subsegment, Point p, Cavity &cavity);
+
+private:
+  bool in_conflict(const Face &face, Point p) const;
+  void dig(Point p, Cavity &cavity);
+  Point point(LocalIndex v) const { return vertices_[static_cast<std::size_t>(v)]; }
+
+  const std::vector<Point> &vertices_;
+  const Faces &faces_;
+  std::vector<HalfEdge> to_dig_;
+};
+
+/// Replaces the cavity by the fan around a vertex. Faces that are free are the cavity's, then new ones.
+void commit(Cavity &cavity, LocalIndex vertex, Faces &faces);
+/// Both halves on a subsegment, the left one first; the right one is without rim at the boundary.
+void commit_halves(Cavity &left, Cavity &right, LocalIndex vertex, Faces &faces);
+
+} // namespace dovetail
