@@ -27,15 +27,11 @@ void fan(std::span<const Point> sites, Triangulation &mesh) {
   }
 }
 
-void check_room(std::size_t sites) {
-  if (sites >= most_delaunay_sites)
-    throw Error({ErrorKind::resource, "triangulation", "",
-                 "a mesh grows beyond what 32-bit indices can number", "use more slabs"});
-}
-
 /// A site that equals no other, while there are no triangles: all sites are collinear.
 void add_without_triangles(std::vector<Point> &sites, Triangulation &mesh, Point site) {
-  check_room(sites.size());
+  if (sites.size() >= most_delaunay_sites)
+    throw Error({ErrorKind::resource, "triangulation", "",
+                 "a mesh grows beyond what 32-bit indices can number", "use more slabs"});
   sites.push_back(site);
   if (sites.size() >= 3 && orientation(sites[0], sites[1], site) != Sign::zero)
     fan(sites, mesh);
@@ -45,11 +41,10 @@ Insertion insert_at(std::vector<Point> &sites, Triangulation &mesh, Point site, 
                     Cavity &memory) {
   if (place.kind == PlaceKind::vertex)
     return {mesh.corners[position(half_edge(place.triangle, place.side))], place.triangle, false};
-  check_room(sites.size());
   find_cavity(sites, mesh, site, place, memory);
   const auto vertex = static_cast<LocalIndex>(sites.size());
+  const LocalIndex first_new = commit(mesh, memory, vertex); // checks that there is room
   sites.push_back(site);
-  const LocalIndex first_new = commit(mesh, memory, vertex);
   return {vertex, star_triangle(memory, first_new, 0), true};
 }
 

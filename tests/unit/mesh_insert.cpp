@@ -1,6 +1,8 @@
-/// Insertion against the definition, on small sets.
+/// Insertion and removal against the definition, on small sets.
 #include "dovetail/mesh/divide_and_conquer.hpp"
+#include "dovetail/mesh/flip.hpp"
 #include "dovetail/mesh/insert.hpp"
+#include "dovetail/mesh/remove.hpp"
 #include "dovetail/mesh/validate.hpp"
 
 #include "support/small_sites_families.hpp"
@@ -45,6 +47,19 @@ TEST_P(SmallFamilies, ValidInAnyOrder) {
     ASSERT_EQ(sites.size(), points.size());
     for (std::size_t i = 0; i < points.size(); ++i)
       ASSERT_EQ(sites[static_cast<std::size_t>(vertices[i])], points[i]);
+    sites.clear();
+    mesh = {};
+    Cavity memory;
+    for (const Point &point : points)
+      insert_by_flips(sites, mesh, point, none, memory);
+    const FaultReport flipped = validate(sites, mesh);
+    ASSERT_TRUE(flipped.valid()) << "round " << round << ' ' << first_fault(flipped);
+    RemovalMemory removal;
+    while (!sites.empty()) {
+      remove(sites, mesh, static_cast<LocalIndex>(random() % sites.size()), none, removal);
+      const FaultReport removed = validate(sites, mesh);
+      ASSERT_TRUE(removed.valid()) << "round " << round << ' ' << first_fault(removed);
+    }
   }
 }
 

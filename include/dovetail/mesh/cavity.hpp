@@ -48,15 +48,15 @@ struct Cavity {
   std::vector<HalfEdge> stack;  ///< sides still to be looked at; empty between calls
 };
 
-namespace cavity {
-
-/// Is the site inside the circle of a triangle? By the canonical rule.
-inline bool in_conflict(std::span<const Point> sites, const Triangulation &mesh, LocalIndex triangle,
-                        Point site) {
-  const LocalIndex *corner = &mesh.corners[position(3 * triangle)];
+/// Is a site inside the circle of a triangle? By the canonical rule; it must not be a corner.
+inline bool is_in_circle(std::span<const Point> sites, const Triangulation &mesh, LocalIndex triangle,
+                         Point site) {
+  const LocalIndex *corner = &mesh.corners[position(half_edge(triangle, 0))];
   return in_circle(sites[position(corner[0])], sites[position(corner[1])], sites[position(corner[2])],
                    site) == Sign::positive;
 }
+
+namespace cavity {
 
 template <class Locked> struct Search {
   std::span<const Point> sites;
@@ -80,7 +80,7 @@ template <class Locked> struct Search {
       const HalfEdge side = cavity.stack.back();
       cavity.stack.pop_back();
       const HalfEdge beyond = twin(mesh, side);
-      if (!is_locked(side) && beyond != none && in_conflict(sites, mesh, triangle_of(beyond), site)) {
+      if (!is_locked(side) && beyond != none && is_in_circle(sites, mesh, triangle_of(beyond), site)) {
         cavity.triangles.push_back(triangle_of(beyond));
         cavity.stack.push_back(before(beyond));
         cavity.stack.push_back(after(beyond));
@@ -93,7 +93,7 @@ template <class Locked> struct Search {
   /// Looks across a side of the triangle that the site is in.
   void cross(HalfEdge side) const {
     const HalfEdge beyond = twin(mesh, side);
-    if (!is_locked(side) && beyond != none && in_conflict(sites, mesh, triangle_of(beyond), site))
+    if (!is_locked(side) && beyond != none && is_in_circle(sites, mesh, triangle_of(beyond), site))
       take(beyond);
     else
       cavity.edges.push_back({origin(mesh, side), target(mesh, side), beyond, side});
@@ -128,7 +128,7 @@ template <class Locked> struct Search {
     for (HalfEdge next = hull_after(mesh, seen); sees(next); next = hull_after(mesh, seen))
       seen = next;
     do {
-      if (!is_locked(seen) && in_conflict(sites, mesh, triangle_of(seen), site))
+      if (!is_locked(seen) && is_in_circle(sites, mesh, triangle_of(seen), site))
         take(seen);
       else
         cavity.edges.push_back({target(mesh, seen), origin(mesh, seen), seen, none});
