@@ -2,6 +2,7 @@
 // to a stitched mesh. Prints one JSON object: what the mesh is, what was sent (exactly what as many real
 // ranks send), and how long it would have taken on as many processors with the network given. See
 // jobs/virtual.
+#include "virtual/sampled.hpp"
 #include "virtual/world.hpp"
 
 #include "dovetail/distributed/triangulate.hpp"
@@ -30,6 +31,7 @@ struct Options {
   int slabs = 0;
   Network network;
   bool kernel = false;
+  bool sampled = false;
   bool progress = false;
 };
 
@@ -95,6 +97,7 @@ PointTable share_of(const SyntheticSet &set, int rank, int ranks) {
 
 /// What is the same on all ranks.
 struct Result {
+  Axis axis = Axis::x;
   int slabs = 0;
   GlobalIndex sites = 0;
   GlobalIndex triangles = 0;
@@ -125,8 +128,8 @@ Result run(const Options &options) {
     for (std::size_t i = 0; i < account.names().size(); ++i)
       result.phases[static_cast<std::size_t>(rank)].push_back(account.of_phase(i));
     if (rank == 0)
-      result = {mesh.slab_count(), mesh.site_count(),        mesh.triangle_count(), mesh.checksum,
-                mesh.statistics,   std::move(result.phases), account.names()};
+      result = {mesh.axis,     mesh.slab_count(), mesh.site_count(),        mesh.triangle_count(),
+                mesh.checksum, mesh.statistics,   std::move(result.phases), account.names()};
   });
   here = &world;
   world.run();
@@ -163,32 +166,55 @@ double kernel_seconds(const SyntheticSet &set) {
   return triangles.triangle_count() > 0 ? processor_seconds() - start : 0;
 }
 
-nlohmann::ordered_json as_json(const Options &options, const Result &result) {
+/// What both kinds of runs have.
+nlohmann::ordered_json common(const Options &options, Axis axis, int slabs) {
+  return {{"distribution", distribution_name(options.set.distribution)},
+          {"points", options.set.n},
+          {"seed", options.set.seed},
+          {"ranks", options.ranks},
+          {"slabs", slabs},
+          {"axis", axis == Axis::x ? "x" : "y"},
+          {"network",
+           {{"latency_s", options.network.latency_s},
+            {"overhead_s", options.network.overhead_s},
+            {"bytes_per_second", options.network.bytes_per_second}}}};
+}
+
+nlohmann::ordered_json run_exactly(const Options &options) {
+  const Result result = run(options);
   const MeshStatistics &statistics = result.statistics;
-  nlohmann::ordered_json json{{"distribution", distribution_name(options.set.distribution)},
-                              {"points", options.set.n},
-                              {"seed", options.set.seed},
-                              {"ranks", options.ranks},
-                              {"slabs", result.slabs},
-                              {"sites", result.sites},
-                              {"triangles", result.triangles},
-                              {"checksum", checksum_text(result.checksum)},
-                              {"own_sites_max", statistics.own_sites_max},
-                              {"path_sites_max", statistics.path_sites_max},
-                              {"candidate_sites_max", statistics.candidate_sites_max},
-                              {"path_sites", statistics.path_sites},
-                              {"longest_path", statistics.longest_path},
-                              {"ghosts", statistics.ghosts},
-                              {"network",
-                               {{"latency_s", options.network.latency_s},
-                                {"overhead_s", options.network.overhead_s},
-                                {"bytes_per_second", options.network.bytes_per_second}}}};
+  nlohmann::ordered_json json = common(options, result.axis, result.slabs);
+  json["sites"] = result.sites;
+  json["triangles"] = result.triangles;
+  json["checksum"] = checksum_text(result.checksum);
+  json["own_sites_max"] = statistics.own_sites_max;
+  json["path_sites_max"] = statistics.path_sites_max;
+  json["candidate_sites_max"] = statistics.candidate_sites_max;
+  json["path_sites"] = statistics.path_sites;
+  json["longest_path"] = statistics.longest_path;
+  json["ghosts"] = statistics.ghosts;
   for (std::size_t phase = 0; phase < result.phase_names.size(); ++phase)
     json["phases"].push_back(phase_as_json(result, phase));
   if (options.kernel)
     json["kernel_s"] = kernel_seconds(options.set);
-  json["processor_s"] = processor_seconds();
-  json["peak_rss_bytes"] = peak_rss_bytes();
+  return json;
+}
+
+nlohmann::ordered_json run_a_sample(const Options &options) {
+  constexpr int slabs_to_triangulate = 13;
+  const SlabwiseSet set(options.set, options.ranks);
+  const SampledRun run = run_sampled(set, slabs_to_triangulate);
+  nlohmann::ordered_json json = common(options, set.axis(), options.ranks);
+  json["sampled_slabs"] = run.sampled_slabs;
+  json["own_sites_max"] = set.points_of_slab();
+  json["path_sites_max"] = run.path_sites_max;
+  json["path_sites"] = static_cast<GlobalIndex>(run.mean_path * (options.ranks - 1));
+  json["longest_path"] = run.longest_path;
+  json["ghosts"] = run.ghosts;
+  json["hull_max_s"] = run.hull_max_s;
+  json["hull_mean_s"] = run.hull_mean_s;
+  json["triangulate_max_s"] = run.triangulate_max_s;
+  json["triangulate_mean_s"] = run.triangulate_mean_s;
   return json;
 }
 
@@ -208,6 +234,7 @@ Options options_from(int argc, char **argv) {
   app.add_option("--bandwidth", options.network.bytes_per_second, "bytes a second")
       ->check(CLI::PositiveNumber);
   app.add_flag("--kernel", options.kernel, "time the sequential kernel on all points as well");
+  app.add_flag("--sampled", options.sampled, "of a set too large for memory: a sample of its slabs");
   app.add_flag("--progress", options.progress);
   try {
     app.parse(argc, argv);
@@ -228,8 +255,10 @@ int main(int argc, char **argv) {
   const Options options = options_from(argc, argv);
   const boost::mpi::environment environment;
   try {
-    const Result result = run(options);
-    fmt::print("{}\n", as_json(options, result).dump());
+    nlohmann::ordered_json json = options.sampled ? run_a_sample(options) : run_exactly(options);
+    json["processor_s"] = processor_seconds();
+    json["peak_rss_bytes"] = peak_rss_bytes();
+    fmt::print("{}\n", json.dump());
   } catch (const std::exception &error) {
     fmt::print(stderr, "virtual_ranks: {}\n", error.what());
     return 1;
