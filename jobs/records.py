@@ -157,16 +157,21 @@ def groups(records, *keys):
 
 
 def checksums_agree(records):
-    """Prints, for each problem (distribution, seed, points), whether all its runs made the same mesh."""
-    agree = True
+    """Prints, for each problem (distribution, seed, points) that ran more than once, whether all its runs made the
+    same mesh."""
+    agree, once = True, 0
     for (distribution, seed, points), runs in groups(records, "distribution", "seed", "points").items():
         found = sorted({run["checksum"] for run in runs})
         name = f"checksum of {points:,} points, {distribution}, seed {seed}"
-        if len(found) == 1:
-            print(f"{name}: {found[0]} in all {len(runs)} runs")
-        else:
+        if len(found) > 1:
             agree = False
             print(f"{name} DIFFERS between runs: {', '.join(found)}")
+        elif len(runs) > 1:
+            print(f"{name}: {found[0]} in all {len(runs)} runs")
+        else:
+            once += 1
+    if once:
+        print(f"{once} problems ran once: nothing to compare their checksums with")
     return agree
 
 

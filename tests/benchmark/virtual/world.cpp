@@ -78,24 +78,20 @@ void World::stop_working() {
   if (here().idle)
     return;
   const double worked = processor_seconds() - working_since_;
-  here().clock += worked;
-  here().worked += worked;
+  here().time.clock += worked;
+  here().time.worked += worked;
 }
 
-double World::clock() {
+Time World::time() {
   const Call reading(*this);
-  return here().clock;
-}
-
-double World::processor_time() {
-  const Call reading(*this);
-  return here().worked;
+  return here().time;
 }
 
 void World::restart_clock() {
   const Call call(*this);
   Rank &rank = here();
-  rank.clock = rank.worked = rank.sending_until = rank.receiving_until = 0;
+  rank.time = {};
+  rank.sending_until = rank.receiving_until = 0;
 }
 
 Membership &World::membership(MPI_Comm comm) {
@@ -132,7 +128,7 @@ std::shared_ptr<Meeting> World::meet(MPI_Comm comm, const Part &part,
   const std::shared_ptr<Meeting> meeting = entry;
   const int rank = member.rank;
   meeting->parts[index(rank)] = part;
-  meeting->clock[index(rank)] = here().clock;
+  meeting->clock[index(rank)] = here().time.clock;
   if (++meeting->arrived == group.size()) {
     group.meetings.erase(number);
     work(*meeting);
@@ -145,7 +141,7 @@ std::shared_ptr<Meeting> World::meet(MPI_Comm comm, const Part &part,
   if (waits) {
     while (!meeting->complete)
       fibers_.sleep();
-    here().clock = std::max(here().clock, meeting->clock[index(rank)]);
+    here().time.clock = std::max(here().time.clock, meeting->clock[index(rank)]);
   }
   here().idle = false;
   return meeting;
@@ -163,7 +159,7 @@ void World::deliver(Request &request, const Letter &letter) {
   fibers_.wake(request.owner);
   if (Request *const sent = letter.acknowledged.get()) {
     sent->complete = true;
-    sent->when = std::max(letter.arrival, ranks_[index(request.owner)].clock) + network_.latency_s;
+    sent->when = std::max(letter.arrival, ranks_[index(request.owner)].time.clock) + network_.latency_s;
     fibers_.wake(sent->owner);
   }
 }
@@ -173,8 +169,8 @@ std::shared_ptr<Request> World::send(MPI_Comm comm, const void *data, std::int64
   const Membership &member = membership(comm);
   Rank &sender = here();
   Rank &receiver = ranks_[index(member.group->members[index(to)])];
-  sender.clock += network_.overhead_s;
-  sender.sending_until = std::max(sender.clock, sender.sending_until) + network_.transfer(bytes);
+  sender.time.clock += network_.overhead_s;
+  sender.sending_until = std::max(sender.time.clock, sender.sending_until) + network_.transfer(bytes);
   // A link takes one message at a time; the two links of a message work at the same time.
   receiver.receiving_until = std::max(sender.sending_until + network_.latency_s,
                                       receiver.receiving_until + network_.transfer(bytes));
@@ -250,7 +246,8 @@ void World::await(Request &request) {
 }
 
 void World::take(const Request &request) {
-  here().clock = std::max(here().clock, request.when) + (request.receives ? network_.overhead_s : 0);
+  here().time.clock =
+      std::max(here().time.clock, request.when) + (request.receives ? network_.overhead_s : 0);
   here().idle = false;
 }
 

@@ -89,6 +89,12 @@ struct Membership {
   std::int64_t collective_calls = 0;
 };
 
+/// Seconds of a rank: on its clock, and of its own work, which its clock has counted too.
+struct Time {
+  double clock = 0;
+  double worked = 0;
+};
+
 class World {
 public:
   World(int ranks, const Network &network, std::function<void(int rank)> program);
@@ -100,9 +106,8 @@ public:
   static World *current();
   void run();
 
-  /// Of the running rank, in seconds: its clock, and the processor time of its own work.
-  double clock();
-  double processor_time();
+  /// Of the running rank.
+  Time time();
   /// The running rank starts anew at zero, as if its work so far had not been.
   void restart_clock();
 
@@ -145,8 +150,7 @@ public:
 
 private:
   struct Rank {
-    double clock = 0;
-    double worked = 0;
+    Time time;
     bool idle = false;
     double sending_until = 0;   ///< its link outwards is taken
     double receiving_until = 0; ///< inwards

@@ -1,9 +1,9 @@
-// The real pipeline on any number of virtual ranks in one process (virtual/world.hpp), from points in memory
+// The real pipeline on any number of virtual ranks in one process (world.hpp), from points in memory
 // to a stitched mesh. Prints one JSON object: what the mesh is, what was sent (exactly what as many real
 // ranks send), and how long it would have taken on as many processors with the network given. See
 // jobs/virtual.
-#include "virtual/sampled.hpp"
-#include "virtual/world.hpp"
+#include "sampled.hpp"
+#include "world.hpp"
 
 #include "dovetail/distributed/triangulate.hpp"
 #include "dovetail/geometry/distributions.hpp"
@@ -43,8 +43,7 @@ double processor_seconds() {
 
 /// What a rank has spent so far.
 struct Reading {
-  double clock = 0;
-  double worked = 0;
+  Time time;
   Traffic traffic;
 };
 
@@ -64,14 +63,13 @@ public:
   const std::vector<std::string> &names() const { return names_; }
   Reading of_phase(std::size_t i) const {
     const Reading &from = starts_[i], &to = starts_[i + 1];
-    return {to.clock - from.clock,
-            to.worked - from.worked,
+    return {{to.time.clock - from.time.clock, to.time.worked - from.time.worked},
             {to.traffic.bytes_sent - from.traffic.bytes_sent,
              to.traffic.messages_sent - from.traffic.messages_sent}};
   }
 
 private:
-  Reading read() { return {world_.clock(), world_.processor_time(), traffic_}; }
+  Reading read() { return {world_.time(), traffic_}; }
 
   World &world_;
   const Traffic &traffic_;
@@ -140,19 +138,19 @@ nlohmann::ordered_json phase_as_json(const Result &result, std::size_t phase) {
   Reading largest, sum;
   for (const std::vector<Reading> &rank : result.phases) {
     const Reading &one = rank[phase];
-    largest.clock = std::max(largest.clock, one.clock);
-    largest.worked = std::max(largest.worked, one.worked);
-    sum.clock += one.clock;
-    sum.worked += one.worked;
+    largest.time.clock = std::max(largest.time.clock, one.time.clock);
+    largest.time.worked = std::max(largest.time.worked, one.time.worked);
+    sum.time.clock += one.time.clock;
+    sum.time.worked += one.time.worked;
     sum.traffic.bytes_sent += one.traffic.bytes_sent;
     sum.traffic.messages_sent += one.traffic.messages_sent;
   }
   const auto ranks = static_cast<double>(result.phases.size());
   return {{"name", result.phase_names[phase]},
-          {"wall_max_s", largest.clock},
-          {"wall_mean_s", sum.clock / ranks},
-          {"cpu_max_s", largest.worked},
-          {"cpu_sum_s", sum.worked},
+          {"wall_max_s", largest.time.clock},
+          {"wall_mean_s", sum.time.clock / ranks},
+          {"cpu_max_s", largest.time.worked},
+          {"cpu_sum_s", sum.time.worked},
           {"bytes_sent", sum.traffic.bytes_sent},
           {"messages_sent", sum.traffic.messages_sent}};
 }
