@@ -89,12 +89,19 @@ def circumstances(build):
 
 # Running
 
+def usual_launcher():
+    """mpiexec; inside a SLURM allocation srun, by PMIx if this SLURM speaks it."""
+    if "SLURM_JOB_ID" not in os.environ:
+        return "mpiexec -n {ranks}"
+    spoken = subprocess.run(["srun", "--mpi=list"], capture_output=True, text=True, check=False)
+    return f"srun{' --mpi=pmix' if 'pmix' in spoken.stdout + spoken.stderr else ''} --ntasks={{ranks}}"
+
+
 class Runner:
     """Starts programs of a build on a number of ranks."""
 
     def __init__(self, build, launcher=None):
-        default = "srun --ntasks={ranks}" if "SLURM_JOB_ID" in os.environ else "mpiexec -n {ranks}"
-        self.launcher = launcher or default
+        self.launcher = launcher or usual_launcher()
         self.build = build
         self.environment = dict(os.environ)
         if os.geteuid() == 0:
