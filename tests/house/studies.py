@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The scaling driver leaves the records that it promises and refuses more ranks than cores; the tables made of
-records compare with the best sequential code and with equal checksums.
+records compare with the best sequential code and with equal checksums; the study on virtual ranks carries on to more
+ranks than it runs.
 
 usage: studies.py CHECKOUT BUILD
 """
@@ -13,6 +14,9 @@ import sys
 import tempfile
 
 checkout, build = sys.argv[1:]
+sys.path.insert(0, f"{checkout}/jobs")
+sys.dont_write_bytecode = True
+import projection  # noqa: E402: from the checkout
 ranks = [1, 2] if len(os.sched_getaffinity(0)) >= 2 else [1]
 has_kernel = (pathlib.Path(build) / "tests/benchmark/kernel_dovetail").exists()
 
@@ -101,7 +105,48 @@ def check_tables(folder):
     assert done.returncode == 2 and "no run" in done.stderr, done
 
 
+def check_virtual_study(folder):
+    log = folder / "virtual.jsonl"
+    done = run("virtual", "weak", "--points", 2000, "--ranks", "2,4,8,32", "--exact", 16_000, "--distributions", "kuzmin",
+               "--records", log, "--build", build)
+    assert done.returncode == 0, done.stdout + done.stderr
+    found = [json.loads(line) for line in log.read_text().splitlines()]
+    assert [(r["ranks"], r["code"]) for r in found] == \
+        [(1, "exact"), (2, "exact"), (4, "exact"), (8, "exact"), (8, "sampled"), (32, "sampled")]
+    for record in found:
+        assert [p["name"] for p in record["phases"]] == list(projection.PHASES)
+        assert record["points"] == 2000 * record["ranks"] and record["commit"] and record["machine"]
+    assert row_of(done.stdout, "1", 16)[4] == "100%" and row_of(done.stdout, "32", 16)[2] == "sampled", done.stdout
+    assert "As if 8 ranks had only been sampled" in done.stdout and "kuzmin: below 85% from 2 ranks on" in done.stdout
+    foretold, run_exactly = found[4], found[3]
+    assert abs(projection.differences(foretold, run_exactly)["bytes"]) < 0.15
+
+    done = run("virtual", "strong", "--points", 4000, "--ranks", "1,3", "--distributions", "line", "--records", log,
+               "--build", build)
+    assert done.returncode == 0 and "in all 2 runs" in done.stdout, done.stdout + done.stderr
+    done = run("virtual", "weak", "--points", 2000, "--ranks", "64", "--exact", 2000, "--distributions", "line", "--records",
+               log, "--build", build)
+    assert done.returncode == 1 and "--exact" in done.stderr, done
+    done = run("virtual", "weak", "--points", 2000, "--ranks", "0", "--build", build)
+    assert done.returncode == 2 and "--ranks" in done.stderr, done
+
+
+def check_projection():
+    """Factors that were put in come out; none is negative; fewer runs than terms are enough."""
+    values = [3 * n + 5 * n * n for n in (1, 2, 4, 8)]
+    found = projection.fit([[n, n * n] for n in (1, 2, 4, 8)], values)
+    assert all(abs(found[k] - factor) < 1e-9 for k, factor in ((0, 3), (1, 5))), found
+    falling = projection.fit([[1, n] for n in (1, 2, 3)], [3, 2, 1])
+    assert set(falling) == {0} and 1 <= falling[0] <= 3, falling
+    assert projection.fit([[1, 7, 2]], [4]) == {0: 4}
+    assert projection.log2_ceiling(1) == 0 and projection.log2_ceiling(5) == 3
+    network = projection.Network({"latency_s": 2, "overhead_s": 1, "bytes_per_second": 10})
+    assert network.all_reduce(5, 20) == 3 * (2 + 2 + 2)
+
+
 with tempfile.TemporaryDirectory() as temporary:
     check_drivers(pathlib.Path(temporary))
     check_tables(pathlib.Path(temporary))
+    check_virtual_study(pathlib.Path(temporary))
+check_projection()
 print(f"strong, weak and distributions on {ranks} ranks: records and tables as promised")
