@@ -95,6 +95,7 @@ struct Time {
   double worked = 0;
 };
 
+/// The ranks, their clocks, and what is under way between them.
 class World {
 public:
   World(int ranks, const Network &network, std::function<void(int rank)> program);
@@ -136,6 +137,7 @@ public:
   std::shared_ptr<Request> send(MPI_Comm comm, const void *data, std::int64_t bytes, int to, int tag,
                                 bool synchronous);
   std::shared_ptr<Request> receive(MPI_Comm comm, void *buffer, std::int64_t bytes, int source, int tag);
+  /// The first letter of its kind for the running rank; none after looking in vain, see idle().
   const Letter *find(MPI_Comm comm, int source, int tag);
   static bool is_complete(Request &request);
   void await(Request &request);
