@@ -59,6 +59,7 @@ Plan plan_run(const Communicator &comm, const PointFiles &files, const SlabOptio
   of.slabs = slabs.slabs;
   of.memory_bytes = plan.usable_bytes;
   of.axis = slabs.axis;
+  of.on_disk = room.on_disk;
   of.keeps_mesh = !streams;
   std::vector<Point> sample;
   if (always || !fits_anyway(of)) {

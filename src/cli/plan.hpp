@@ -14,11 +14,12 @@ namespace dovetail::cli {
 struct Room {
   std::int64_t memory_bytes = 0; ///< --memory, of a rank; 0: default_memory_of_rank
   std::string scratch;           ///< --scratch; empty: the folder of the output
+  bool on_disk = false;          ///< --on-disk
 };
 
 struct Plan {
   Forecast forecast;
-  GlobalIndex points = 0;        ///< at most, if the input is text
+  GlobalIndex points = 0;        ///< about, if the input is text
   std::int64_t memory_bytes = 0; ///< that a rank may have in all
   std::int64_t usable_bytes = 0; ///< of that, what is left for data
   std::string scratch;           ///< the folder

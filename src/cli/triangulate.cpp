@@ -253,10 +253,13 @@ ExitCode run_triangulate(const TriangulateCommand &command, const Session &sessi
   reading.progress = progress_into(meter);
   const auto files = open_point_files(comm, command.inputs, reading);
   // Only to check a mesh it is kept whole, and only if it fits: else it is counted as it goes by.
+  if (command.room.on_disk && command.writes() && !streams(command))
+    throw Error({ErrorKind::usage, "--on-disk", "", "only a .vtkhdf, or none, is made slab by slab",
+                 "leave --on-disk away, or let dovetail convert make the other format of a .vtkhdf"});
   const bool can_stream = streams(command) || !command.writes();
   Plan plan =
       plan_run(comm, *files, command.slabs, command.room, command.output, streams(command), command.dry_run);
-  if (!command.writes() && !plan.forecast.fits)
+  if (!command.writes() && (!plan.forecast.fits || command.room.on_disk))
     plan = plan_run(comm, *files, command.slabs, command.room, command.output, true, true);
   if (command.dry_run) {
     meter.finish();
@@ -355,6 +358,8 @@ Subcommand add_triangulate(CLI::App &app) {
       ->add_option("--scratch", command->room.scratch,
                    "Folder for what does not fit into memory [the output's]")
       ->option_text("FOLDER");
+  parser->add_flag("--on-disk", command->room.on_disk,
+                   "Let points wait on disk even if they fit into memory (.vtkhdf and none)");
   parser->add_flag("--dry-run", command->dry_run,
                    "Tell what it would take, from sizes and a sample, and whether that is there");
   add_telling_options(*parser, command->telling);

@@ -79,7 +79,7 @@ Forecast forecast(const Undertaking &of, std::vector<Point> sample) {
   const double streaming = share * row + bytes_between(points, plan, of.ranks);
   const double keeping = share * (row + row + 90 + 60) + bytes_between(points, plan, of.ranks);
   double needed = of.keeps_mesh ? keeping : std::max(sorting, streaming);
-  if (needed > memory && !of.keeps_mesh) {
+  if ((needed > memory || of.on_disk) && !of.keeps_mesh) {
     plan.on_disk = true;
     plan.slabs = chosen_slabs(of);
     needed = bytes_between(points, plan, of.ranks);

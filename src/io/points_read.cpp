@@ -329,7 +329,7 @@ public:
   GlobalIndex estimated_points() const override {
     GlobalIndex points = 0;
     for (const PointFileCount &each : input_.files)
-      points += each.file.records >= 0 ? each.file.records : each.file.file_bytes / shortest_line;
+      points += each.file.records >= 0 ? each.file.records : shareable_records(each.file);
     return points;
   }
   const std::vector<std::string> &attribute_names() const override { return names_; }
@@ -366,8 +366,6 @@ public:
   }
 
 private:
-  static constexpr std::int64_t shortest_line = 4; // "0 0" and its end
-
   const Communicator &comm_;
   PointInput input_;
   PointReading reading_;

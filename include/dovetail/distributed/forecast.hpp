@@ -21,6 +21,7 @@ struct Undertaking {
   int slabs = 0;                 ///< 0: to be chosen
   std::int64_t memory_bytes = 0; ///< that a rank may use, besides what every program needs
   AxisChoice axis = AxisChoice::automatic;
+  bool on_disk = false;    ///< sites are to wait there even if they fit into memory
   bool keeps_mesh = false; ///< an output that needs the whole mesh in memory
 };
 

@@ -19,7 +19,7 @@ public:
   /// All that read_points says of the files; the points are not there, and the counts are those of all ranks
   /// once begin_again has been called.
   virtual PointInput &input() = 0;
-  /// Local. About how many points all files have: of text, as many as the shortest lines would make.
+  /// Local. How many points all files have: of text about, of LAS with those that will be skipped.
   virtual GlobalIndex estimated_points() const = 0;
   /// Local. Distinct points of at most so many records, taken from all over the files.
   virtual std::vector<Point> sample(std::size_t records) const = 0;
