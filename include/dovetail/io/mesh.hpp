@@ -20,6 +20,7 @@
 #include "dovetail/base/progress.hpp"
 #include "dovetail/comm/communicator.hpp"
 #include "dovetail/distributed/mesh.hpp"
+#include "dovetail/distributed/slab_sink.hpp"
 #include "dovetail/distributed/slab_source.hpp"
 
 #include <cstdint>
@@ -69,6 +70,10 @@ struct MeshWriting {
 /// from a file whose indices lead nowhere.
 std::vector<std::string> write_mesh(const Communicator &comm, const DistributedMesh &mesh,
                                     const std::string &path, const MeshWriting &writing = {});
+
+/// Local. For a name that ends in .vtkhdf, where stream_mesh (distributed/stream_mesh.hpp) may leave a mesh:
+/// the same bytes as write_mesh makes of it, written in the same way. Nothing for other formats.
+std::unique_ptr<SlabSink> mesh_sink(const std::string &path, const MeshWriting &writing = {});
 
 /// Local. The files that write_mesh would make for this name, the one to open last, as far as the name alone
 /// tells. Error (usage): an unknown extension.
