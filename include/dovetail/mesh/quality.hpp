@@ -12,6 +12,15 @@
 
 namespace dovetail {
 
+/// Squared sides, [i] across from corner i.
+struct SquaredSides {
+  std::array<double, 3> side;
+  std::size_t shortest() const {
+    const std::size_t i = side[1] < side[0] ? 1 : 0;
+    return side[2] < side[i] ? 2 : i;
+  }
+};
+
 /// A bound on the smallest angle, for comparisons without roots and quotients.
 class AngleBound {
 public:
@@ -25,20 +34,15 @@ public:
     const double twice_dot = b + c - a; // 2 |b| |c| cos
     return twice_dot * twice_dot > four_squared_cosine_ * (b * c);
   }
+  bool is_below(const SquaredSides &sides) const {
+    const std::size_t i = sides.shortest();
+    return is_below(sides.side[i], sides.side[i == 0 ? 2 : i - 1], sides.side[i == 2 ? 0 : i + 1]);
+  }
 
 private:
   double degrees_;
   double four_squared_cosine_;
   double reach_;
-};
-
-/// Squared sides, [i] across from corner i.
-struct SquaredSides {
-  std::array<double, 3> side;
-  std::size_t shortest() const {
-    const std::size_t i = side[1] < side[0] ? 1 : 0;
-    return side[2] < side[i] ? 2 : i;
-  }
 };
 
 constexpr SquaredSides squared_sides(Point a, Point b, Point c) {
