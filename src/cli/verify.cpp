@@ -1,5 +1,7 @@
 // dovetail verify: is a mesh right, and is it the mesh of these points?
 #include "command.hpp"
+#include "domain_job.hpp"
+#include "domain_verdict.hpp"
 #include "options.hpp"
 #include "output.hpp"
 #include "report.hpp"
@@ -22,6 +24,7 @@ namespace {
 
 struct VerifyOptions {
   std::string mesh;
+  std::string domain; ///< file, or empty
   std::vector<std::string> points;
   PointReading reading;
   Telling telling;
@@ -48,19 +51,16 @@ void print_checks(const VerifyOptions &options, const ValidationReport &found) {
   print_row("checksum", checksum_text(found.checksum));
 }
 
+double share_of_mesh(const VerifyOptions &options) { return options.points.empty() ? 1 : 0.6; }
+
 ValidationReport check(const VerifyOptions &options, const Communicator &comm, ProgressMeter &meter,
-                       PhaseLog &phases, DistributedMesh &mesh) {
-  meter.begin("read");
-  const double share_of_mesh = options.points.empty() ? 1 : 0.6; // of the time for both
-  mesh = phases.measure("read", [&] {
-    return read_mesh(comm, options.mesh, part_of_stage(progress_into(meter), 0, share_of_mesh));
-  });
+                       PhaseLog &phases, const DistributedMesh &mesh) {
   if (options.points.empty()) {
     meter.begin("check");
     return phases.measure("check", [&] { return validate(comm, mesh, progress_into(meter)); });
   }
   PointReading reading = options.reading;
-  reading.progress = part_of_stage(progress_into(meter), share_of_mesh, 1);
+  reading.progress = part_of_stage(progress_into(meter), share_of_mesh(options), 1);
   const PointInput input = phases.measure("read", [&] { return read_points(comm, options.points, reading); });
   meter.begin("check");
   return phases.measure("check", [&] { return validate(comm, mesh, input.points, progress_into(meter)); });
@@ -112,15 +112,69 @@ void print_result(const VerifyOptions &options, const Session &session, const Di
               counted(found.violation_count, "violation", "violations"));
 }
 
+/// A mesh of a domain is checked by one process.
+ExitCode verify_as_domain(const VerifyOptions &options, const Session &session, const DistributedMesh &mesh,
+                          ProgressMeter &meter, PhaseLog &phases) {
+  if (!options.points.empty())
+    throw Error({ErrorKind::usage, options.mesh, "", "is a mesh of a domain, not of points alone",
+                 "compare it with its domain file by --domain"});
+  require_one_rank(session, "verify of a mesh of a domain");
+  meter.begin("check");
+  const DomainVerdict verdict = phases.measure("check", [&] {
+    require_sound_layout(session.comm, mesh, options.mesh);
+    return verify_domain(mesh, options.domain);
+  });
+  meter.finish();
+  const std::vector<PhaseSummary> times = summarise(session.comm, phases);
+  std::vector<std::string> inputs{options.mesh};
+  if (!options.domain.empty())
+    inputs.push_back(options.domain);
+  Report report = new_report(session, "verify", inputs);
+  report_verdict(mesh, verdict, report);
+  report["phases"] = phases_as_json({}, times);
+  write_report(session, std::move(report), options.telling.report);
+  if (!options.telling.quiet) {
+    print_row("read", options.mesh + ", a mesh of a domain");
+    if (verdict.valid())
+      print_verdict(mesh, verdict);
+    print_row("time", times_text(session, times));
+    if (verdict.valid())
+      print_row("valid", fmt::format("the constrained Delaunay triangulation of its domain{}",
+                                     options.domain.empty() ? "" : ", which is that of the file"));
+    else
+      print_row(verdict.only_the_domain_differs ? "OTHER DOMAIN" : "NOT VALID",
+                counted(std::ssize(verdict.faults), "violation", "violations"));
+  }
+  if (verdict.valid())
+    return success;
+  fmt::print(stderr, "dovetail: {}: {}\n", options.mesh,
+             verdict.only_the_domain_differs
+                 ? "this is not a mesh of the domain given; name the file it was made from, or make it again"
+                 : "the mesh is not valid; make it again from its domain");
+  for (const std::string &fault : verdict.faults)
+    fmt::print(stderr, "  {}\n", fault);
+  return failure;
+}
+
 ExitCode verify(const VerifyOptions &options, const Session &session) {
   const Communicator &comm = session.comm;
   std::vector<std::string> inputs{options.points};
   inputs.push_back(options.mesh);
+  if (!options.domain.empty())
+    inputs.push_back(options.domain);
   check_report(comm, options.telling.report, inputs, {});
 
   ProgressMeter meter(progress_style(comm.is_root(), options.telling), {{"read", 1}, {"check", 30}});
   PhaseLog phases(comm);
-  DistributedMesh mesh;
+  meter.begin("read");
+  const DistributedMesh mesh = phases.measure("read", [&] {
+    return read_mesh(comm, options.mesh, part_of_stage(progress_into(meter), 0, share_of_mesh(options)));
+  });
+  if (mesh.domain)
+    return verify_as_domain(options, session, mesh, meter, phases);
+  if (!options.domain.empty())
+    throw Error({ErrorKind::usage, options.mesh, "", "is a mesh of points, without a domain",
+                 "compare it with its points by --points"});
   const ValidationReport found = check(options, comm, meter, phases, mesh);
   meter.finish();
   const std::vector<PhaseSummary> times = summarise(comm, phases);
@@ -146,6 +200,9 @@ constexpr const char *details =
 orientation of all triangles, adjacency and the Delaunay property of all inner edges, one convex
 boundary, the borders between slabs, checksum and input digest; with --points also that the mesh
 has every one of these points and no other. Exit code 1, and the first violations, if it is not.
+A mesh of a domain is checked to be constrained Delaunay, with every segment there as its chain of
+edges, markers along it, and no angle below what it was refined to but between small input angles;
+with --domain also that vertices, segments, holes and regions are those of the file.
 
 Examples:
   dovetail verify survey.vtkhdf
@@ -167,6 +224,9 @@ Subcommand add_verify(CLI::App &app) {
   parser->add_option("--points", options->points, "Points that it was made from, in the same order")
       ->check(fault_of_name)
       ->option_text("FILE ...");
+  parser->add_option("--domain", options->domain, "Domain file that it was made from")
+      ->check(fault_of_name)
+      ->option_text("FILE");
   add_class_option(*parser, options->reading.classes);
   add_telling_options(*parser, options->telling);
   return {parser, [options](const Session &session) { return verify(*options, session); }};
