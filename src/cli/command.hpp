@@ -40,5 +40,7 @@ Subcommand add_info(CLI::App &app);
 Subcommand add_convert(CLI::App &app);
 Subcommand add_stats(CLI::App &app);
 Subcommand add_render(CLI::App &app);
+Subcommand add_constrain(CLI::App &app);
+Subcommand add_refine(CLI::App &app);
 
 } // namespace dovetail::cli

@@ -21,6 +21,15 @@ std::string box_text(Point lowest, Point highest) {
   return fmt::format("x {} to {}, y {} to {}", lowest.x, highest.x, lowest.y, highest.y);
 }
 
+void print_domain(const DomainRecord &domain) {
+  print_row("domain",
+            fmt::format("{} given, {}, {}, {}", counted(domain.given_vertices, "vertex", "vertices"),
+                        counted(std::ssize(domain.segments), "segment", "segments"),
+                        counted(std::ssize(domain.holes), "hole seed", "hole seeds"),
+                        counted(std::ssize(domain.regions), "region", "regions")));
+  print_row("refined to", domain.min_angle > 0 ? fmt::format("{:g} degrees", domain.min_angle) : "no angle");
+}
+
 void print_mesh(const std::string &path, const MeshDescription &mesh) {
   print_row("mesh", path);
   print_row("format", fmt::format("{}, written by dovetail {}", mesh.format_version, mesh.program_version));
@@ -29,10 +38,12 @@ void print_mesh(const std::string &path, const MeshDescription &mesh) {
   print_row("sites", with_separators(mesh.sites));
   print_row("duplicates", with_separators(mesh.duplicates));
   print_row("triangles", with_separators(mesh.triangles));
-  print_row("hull edges", with_separators(mesh.hull_edges));
+  print_row(mesh.domain ? "boundary edges" : "hull edges", with_separators(mesh.hull_edges));
   print_row("checksum", checksum_text(mesh.checksum));
   print_row("input digest", checksum_text(mesh.digest.hash));
   print_row("slabs", fmt::format("{}, cut along {}", with_separators(mesh.slabs), axis_name(mesh.axis)));
+  if (mesh.domain)
+    print_domain(*mesh.domain);
   print_row("path sites", with_separators(mesh.path_sites));
   print_row("ghosts", with_separators(mesh.ghosts));
   print_row("box", mesh.sites > 0 ? box_text(mesh.lowest, mesh.highest) : "empty");

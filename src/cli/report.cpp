@@ -103,6 +103,17 @@ Report phases_as_json(std::span<const std::string> names, std::span<const PhaseS
   return all;
 }
 
+Report histogram_as_json(const Histogram &histogram) {
+  Report json;
+  const GlobalIndex total = histogram.total();
+  json["count"] = total;
+  json["lowest"] = total > 0 ? Report(histogram.lowest) : Report();
+  json["highest"] = total > 0 ? Report(histogram.highest) : Report();
+  json["bounds"] = histogram.bounds;
+  json["counts"] = histogram.counts;
+  return json;
+}
+
 std::string times_text(const Session &session, std::span<const PhaseSummary> phases) {
   const std::chrono::duration<double> startup = session.ready - session.start;
   std::vector<std::string> parts{"start " + duration_text(startup.count())};

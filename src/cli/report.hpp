@@ -4,6 +4,7 @@
 #include "command.hpp"
 
 #include "dovetail/comm/phases.hpp"
+#include "dovetail/mesh/histogram.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -22,6 +23,9 @@ Report new_report(const Session &session, const std::string &subcommand, std::sp
 /// The phases in the order of `names`. A phase that was not run has null for every number; one that is not
 /// among the names follows at the end.
 Report phases_as_json(std::span<const std::string> names, std::span<const PhaseSummary> phases);
+
+/// counts[i] values are at least bounds[i] and below bounds[i + 1].
+Report histogram_as_json(const Histogram &histogram);
 
 /// The phases for people, such as "Time: 12.3 s (read 0.5, sort 3.2, write 1.1)": the whole since the start
 /// of the program, each phase on its slowest rank.

@@ -114,7 +114,7 @@ void print_figures(const StatsCommand &command, const DistributedMesh &mesh, con
                               with_separators(figures.most_duplicates)));
   print_row("triangles", with_separators(triangles));
   print_row("edges", with_separators(edges));
-  print_row("convex hull",
+  print_row(mesh.domain ? "boundary" : "convex hull",
             fmt::format("{}, length {:.9g}, area {:.9g}", counted(figures.hull_edges, "edge", "edges"),
                         figures.hull_length, figures.area));
   print_row("split paths", paths_text(figures.path_sites));
@@ -124,17 +124,6 @@ void print_figures(const StatsCommand &command, const DistributedMesh &mesh, con
   print_magnitudes("edge lengths", figures.edge_lengths,
                    fmt::format("mean {:.6g}", mean_of(figures.edge_length, edges)));
   print_degrees(figures.degrees, mean_degree(mesh, figures));
-}
-
-Report histogram_as_json(const Histogram &histogram) {
-  Report json;
-  const GlobalIndex total = histogram.total();
-  json["count"] = total;
-  json["lowest"] = total > 0 ? Report(histogram.lowest) : Report();
-  json["highest"] = total > 0 ? Report(histogram.highest) : Report();
-  json["bounds"] = histogram.bounds;
-  json["counts"] = histogram.counts;
-  return json;
 }
 
 Report report_of(const StatsCommand &command, const Session &session, const DistributedMesh &mesh,

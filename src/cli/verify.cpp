@@ -1,5 +1,7 @@
 // dovetail verify: is a mesh right, and is it the mesh of these points?
 #include "command.hpp"
+#include "domain_job.hpp"
+#include "domain_verdict.hpp"
 #include "options.hpp"
 #include "output.hpp"
 #include "report.hpp"
@@ -22,6 +24,7 @@ namespace {
 
 struct VerifyOptions {
   std::string mesh;
+  std::string domain; ///< file, or empty
   std::vector<std::string> points;
   PointReading reading;
   Telling telling;
@@ -108,18 +111,72 @@ void print_result(const VerifyOptions &options, const Session &session, const Di
               counted(found.violation_count, "violation", "violations"));
 }
 
+/// A mesh of a domain is checked by one process.
+ExitCode verify_as_domain(const VerifyOptions &options, const Session &session, ProgressMeter &meter,
+                          PhaseLog &phases) {
+  if (!options.points.empty())
+    throw Error({ErrorKind::usage, options.mesh, "", "is a mesh of a domain, not of points alone",
+                 "compare it with its domain file by --domain"});
+  require_one_rank(session, "verify of a mesh of a domain");
+  meter.begin("read");
+  const DistributedMesh mesh =
+      phases.measure("read", [&] { return read_mesh(session.comm, options.mesh, progress_into(meter)); });
+  meter.begin("check");
+  const DomainVerdict verdict = phases.measure("check", [&] {
+    require_sound_layout(session.comm, mesh, options.mesh);
+    return verify_domain(mesh, options.domain);
+  });
+  meter.finish();
+  const std::vector<PhaseSummary> times = summarise(session.comm, phases);
+  std::vector<std::string> inputs{options.mesh};
+  if (!options.domain.empty())
+    inputs.push_back(options.domain);
+  Report report = new_report(session, "verify", inputs);
+  report_verdict(mesh, verdict, report);
+  report["phases"] = phases_as_json({}, times);
+  write_report(session, std::move(report), options.telling.report);
+  if (!options.telling.quiet) {
+    print_row("read", options.mesh + ", a mesh of a domain");
+    if (verdict.valid())
+      print_verdict(mesh, verdict);
+    print_row("time", times_text(session, times));
+    if (verdict.valid())
+      print_row("valid", fmt::format("the constrained Delaunay triangulation of its domain{}",
+                                     options.domain.empty() ? "" : ", which is that of the file"));
+    else
+      print_row(verdict.only_the_domain_differs ? "OTHER DOMAIN" : "NOT VALID",
+                counted(std::ssize(verdict.faults), "violation", "violations"));
+  }
+  if (verdict.valid())
+    return success;
+  fmt::print(stderr, "dovetail: {}: {}\n", options.mesh,
+             verdict.only_the_domain_differs
+                 ? "this is not a mesh of the domain given; name the file it was made from, or make it again"
+                 : "the mesh is not valid; make it again from its domain");
+  for (const std::string &fault : verdict.faults)
+    fmt::print(stderr, "  {}\n", fault);
+  return failure;
+}
+
 ExitCode verify(const VerifyOptions &options, const Session &session) {
   const Communicator &comm = session.comm;
   std::vector<std::string> inputs{options.points};
   inputs.push_back(options.mesh);
+  if (!options.domain.empty())
+    inputs.push_back(options.domain);
   check_report(comm, options.telling.report, inputs, {});
 
   ProgressMeter meter(progress_style(comm.is_root(), options.telling), {{"read", 1}, {"check", 30}});
   PhaseLog phases(comm);
   const std::unique_ptr<SlabSource> source =
       phases.measure("read", [&] { return open_mesh(comm, options.mesh); });
-  const ValidationReport found = check(options, comm, meter, phases, *source);
   const DistributedMesh &mesh = source->common();
+  if (mesh.domain)
+    return verify_as_domain(options, session, meter, phases);
+  if (!options.domain.empty())
+    throw Error({ErrorKind::usage, options.mesh, "", "is a mesh of points, without a domain",
+                 "compare it with its points by --points"});
+  const ValidationReport found = check(options, comm, meter, phases, *source);
   meter.finish();
   const std::vector<PhaseSummary> times = summarise(comm, phases);
   Report report = report_of(options, session, mesh, found);
@@ -144,6 +201,9 @@ constexpr const char *details =
 orientation of all triangles, adjacency and the Delaunay property of all inner edges, one convex
 boundary, the borders between slabs, checksum and input digest; with --points also that the mesh
 has every one of these points and no other. Exit code 1, and the first violations, if it is not.
+A mesh of a domain is checked to be constrained Delaunay, with every segment there as its chain of
+edges, markers along it, and no angle below what it was refined to but between small input angles;
+with --domain also that vertices, segments, holes and regions are those of the file.
 
 Examples:
   dovetail verify survey.vtkhdf
@@ -165,6 +225,9 @@ Subcommand add_verify(CLI::App &app) {
   parser->add_option("--points", options->points, "Points that it was made from, in the same order")
       ->check(fault_of_name)
       ->option_text("FILE ...");
+  parser->add_option("--domain", options->domain, "Domain file that it was made from")
+      ->check(fault_of_name)
+      ->option_text("FILE");
   add_class_option(*parser, options->reading.classes);
   add_telling_options(*parser, options->telling);
   return {parser, [options](const Session &session) { return verify(*options, session); }};

@@ -253,6 +253,34 @@ void write_triples(const Communicator &comm, const DistributedMesh &mesh, Output
               });
 }
 
+/// Local: NAME.poly of the mesh of a domain, whose vertices are in NAME.node.
+std::string poly_text(const DistributedMesh &mesh, const NodeNumbers &numbers) {
+  const DomainRecord &domain = *mesh.domain;
+  const Triangulation &triangles = mesh.slabs.front().triangles;
+  std::string lines;
+  std::size_t count = 0;
+  for (std::size_t side = 0; side < domain.segment_of_side.size(); ++side) {
+    const LocalIndex segment = domain.segment_of_side[side];
+    const LocalIndex beyond = triangles.neighbours[side];
+    if (segment < 0 || at(segment) >= domain.segments.size() || (beyond >= 0 && at(beyond) < side / 3))
+      continue;
+    const std::size_t base = side - side % 3;
+    lines += fmt::format(
+        "{} {} {} {}\n", count++, numbers.of_vertex(0, triangles.corners[base + (side + 1) % 3]),
+        numbers.of_vertex(0, triangles.corners[base + (side + 2) % 3]), domain.segments[at(segment)].marker);
+  }
+  std::string text = fmt::format("0 2 0 1\n{} 1\n{}{}\n", count, lines, domain.holes.size());
+  for (std::size_t i = 0; i < domain.holes.size(); ++i)
+    text += fmt::format("{} {} {}\n", i, domain.holes[i].x, domain.holes[i].y);
+  text += fmt::format("{}\n", domain.regions.size());
+  for (std::size_t i = 0; i < domain.regions.size(); ++i) {
+    const RegionSeed &region = domain.regions[i];
+    text +=
+        fmt::format("{} {} {} {} {}\n", i, region.place.x, region.place.y, region.attribute, region.max_area);
+  }
+  return text;
+}
+
 } // namespace
 
 std::vector<std::string> triangle_files(const std::string &path) {
@@ -284,6 +312,16 @@ std::vector<std::string> write_triangle_files(const Communicator &comm, const Di
                     return numbers.of_vertex(k, mesh.slabs[k].triangles.corners[at(side)]);
                   };
                 });
+  if (mesh.domain) {
+    names.insert(names.begin(), without_extension(path) + ".poly");
+    parts.push_back(std::make_unique<OutputFile>(comm, names.front()));
+    collectively(comm, [&] {
+      if (!mesh.slabs.empty()) {
+        const std::string text = poly_text(mesh, numbers);
+        parts.back()->write_at(0, std::as_bytes(std::span(text)));
+      }
+    });
+  }
   commit_together(comm, parts, elements);
   return names;
 }

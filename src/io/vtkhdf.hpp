@@ -16,6 +16,8 @@ inline constexpr const char *vtk_group = "VTKHDF";
 inline constexpr const char *point_data_group = "VTKHDF/PointData";
 inline constexpr const char *own_group = "dovetail";
 inline constexpr const char *records_group = "dovetail/coordinate_system";
+inline constexpr const char *domain_group = "domain";
+inline constexpr const char *cell_data_group = "VTKHDF/CellData";
 
 inline constexpr const char *points = "VTKHDF/Points";
 inline constexpr const char *connectivity = "VTKHDF/Connectivity";
@@ -39,6 +41,17 @@ inline constexpr const char *paths = "dovetail/paths";
 inline constexpr const char *duplicates = "dovetail/duplicates";
 inline constexpr const char *duplicate_z = "dovetail/duplicate_z";
 inline constexpr const char *attribute_names = "dovetail/attributes";
+
+inline constexpr const char *region_of_cell = "VTKHDF/CellData/region";
+inline constexpr const char *segments = "domain/segments";
+inline constexpr const char *segment_markers = "domain/segment_markers";
+inline constexpr const char *is_line = "domain/is_line";
+inline constexpr const char *holes = "domain/holes";
+inline constexpr const char *regions = "domain/regions";
+inline constexpr const char *segment_of_side = "domain/segment_of_side";
+inline constexpr const char *chain_offsets = "domain/chain_offsets";
+inline constexpr const char *chain_vertices = "domain/chain_vertices";
+inline constexpr const char *left_triangles = "domain/left_triangles";
 
 inline constexpr std::string_view z_attribute = "z"; ///< kept as the third coordinate
 inline constexpr std::uint8_t triangle_cell = 5;     ///< VTK_TRIANGLE

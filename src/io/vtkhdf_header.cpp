@@ -94,9 +94,9 @@ Column Reader::open_column(const std::string &name, hid_t type, GlobalIndex rows
   return column;
 }
 
-template <class T> std::vector<T> Reader::contents(const std::string &name) const {
-  const Column column = open_column_of_any_length(name, NumberType<T>::stored(), 1);
-  std::vector<T> values(at(column.rows));
+template <class T> std::vector<T> Reader::contents(const std::string &name, int width) const {
+  const Column column = open_column_of_any_length(name, NumberType<T>::stored(), width);
+  std::vector<T> values(at(column.rows * width));
   if (!values.empty())
     hdf5::read_rows(column, NumberType<T>::native(), 0, column.rows, values.data());
   return values;
@@ -243,6 +243,73 @@ void Reader::read_extents(Header &header) const {
   }
 }
 
+/// Numbers from `low` to below `end` that fit into a LocalIndex.
+std::vector<LocalIndex> Reader::indices(const std::string &name, GlobalIndex low, GlobalIndex end,
+                                        int width) const {
+  const std::vector<std::int64_t> read = contents<std::int64_t>(name, width);
+  std::vector<LocalIndex> values;
+  values.reserve(read.size());
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    if (read[i] < low || read[i] >= end)
+      refuse(fmt::format("{}, row {}", name, i / at(width)),
+             fmt::format("is {}, which is not from {} to {}", read[i], low, end - 1));
+    values.push_back(static_cast<LocalIndex>(read[i]));
+  }
+  return values;
+}
+
+DomainRecord Reader::read_domain(const Header &header) const {
+  if (header.extents.slabs() != 1)
+    refuse(domain_group,
+           fmt::format("is there in a mesh of {} slabs, and domains have one", header.extents.slabs()));
+  const GlobalIndex sites = header.extents.sites.back();
+  constexpr GlobalIndex any = std::numeric_limits<LocalIndex>::max();
+  DomainRecord domain;
+  domain.even_odd = number<std::int64_t>(domain_group, "even_odd") != 0;
+  domain.hull_segments = number<std::int64_t>(domain_group, "hull_segments");
+  domain.given_vertices = number<std::int64_t>(domain_group, "given_vertices");
+  domain.min_angle = number<double>(domain_group, "min_angle");
+  const std::vector<LocalIndex> ends = indices(segments, 0, sites, 2);
+  const auto markers = contents<std::int32_t>(segment_markers);
+  if (markers.size() != ends.size() / 2)
+    refuse(segment_markers, fmt::format("has {} rows for {} segments", markers.size(), ends.size() / 2));
+  for (std::size_t s = 0; s < markers.size(); ++s)
+    domain.segments.push_back({ends[2 * s], ends[2 * s + 1], markers[s]});
+  const auto count = static_cast<GlobalIndex>(markers.size());
+  if (domain.hull_segments < 0 || domain.hull_segments > count)
+    refuse(domain_group,
+           fmt::format("says that {} of {} segments are hull edges", domain.hull_segments, count));
+  domain.is_line = contents<std::uint8_t>(is_line);
+  if (!domain.is_line.empty() &&
+      static_cast<GlobalIndex>(domain.is_line.size()) != count - domain.hull_segments)
+    refuse(is_line, fmt::format("has {} rows for {} segments", domain.is_line.size(), count));
+  const auto hole_places = contents<double>(holes, 2);
+  for (std::size_t i = 0; i < hole_places.size(); i += 2)
+    domain.holes.push_back({hole_places[i], hole_places[i + 1]});
+  const auto rows = contents<double>(regions, 4);
+  for (std::size_t i = 0; i < rows.size(); i += 4)
+    domain.regions.push_back({{rows[i], rows[i + 1]}, rows[i + 2], rows[i + 3]});
+  domain.chain_vertices = indices(chain_vertices, 0, sites);
+  domain.chain_offsets = indices(chain_offsets, 0, any);
+  if (domain.chain_offsets.empty() || domain.chain_offsets.front() != 0 ||
+      !std::ranges::is_sorted(domain.chain_offsets) ||
+      at(domain.chain_offsets.back()) != domain.chain_vertices.size())
+    refuse(chain_offsets, "does not divide the vertices of chains");
+  domain.left_triangles = indices(left_triangles, 0, header.extents.triangles.back());
+  return domain;
+}
+
+void Reader::read_sides(const Header &header, DomainRecord &domain) const {
+  const auto triangles = at(header.extents.triangles.back());
+  domain.segment_of_side = contents<std::int32_t>(segment_of_side, 3);
+  domain.region = contents<std::int32_t>(region_of_cell);
+  if (domain.segment_of_side.size() != 3 * triangles)
+    refuse(segment_of_side,
+           fmt::format("has {} rows for {} triangles", domain.segment_of_side.size() / 3, triangles));
+  if (domain.region.size() != triangles)
+    refuse(region_of_cell, fmt::format("has {} rows for {} triangles", domain.region.size(), triangles));
+}
+
 Header Reader::read_header() const {
   check_ours();
   Header header;
@@ -266,6 +333,8 @@ Header Reader::read_header() const {
     refuse(lines, fmt::format("has {} rows for {} slabs", header.lines.size(), slabs));
   header.attribute_names = texts(attribute_names);
   header.coordinate_system = records();
+  if (exists(domain_group))
+    header.domain = read_domain(header);
   return header;
 }
 

@@ -7,6 +7,7 @@
 #include "dovetail/base/point_table.hpp"
 #include "dovetail/distributed/mesh.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct Header {
   std::vector<double> lines;
   std::vector<std::string> attribute_names;
   std::vector<CoordinateSystemRecord> coordinate_system;
+  std::optional<DomainRecord> domain; ///< without what there is one of for each triangle
 
   bool has_z() const;
 };
@@ -43,6 +45,9 @@ public:
     return open_column(name, hdf5::NumberType<T>::stored(), rows, width);
   }
 
+  /// What a domain has for each triangle: all of it, on every rank that asks.
+  void read_sides(const Header &header, DomainRecord &domain) const;
+
   std::int64_t file_bytes() const { return file_bytes_; }
 
   /// The Error that says what is wrong with this file.
@@ -52,7 +57,10 @@ public:
 private:
   hdf5::Column open_column(const std::string &name, hid_t type, GlobalIndex rows, int width) const;
   hdf5::Column open_column_of_any_length(const std::string &name, hid_t type, int width) const;
-  template <class T> std::vector<T> contents(const std::string &name) const;
+  template <class T> std::vector<T> contents(const std::string &name, int width = 1) const;
+  std::vector<LocalIndex> indices(const std::string &name, GlobalIndex low, GlobalIndex end,
+                                  int width = 1) const;
+  DomainRecord read_domain(const Header &header) const;
   std::vector<GlobalIndex> read_offsets(const std::string &name, int slabs) const;
   template <class T> T number(const std::string &object, const char *name) const;
   std::string text(const std::string &object, const char *name) const;

@@ -261,6 +261,7 @@ DistributedMesh common_of(const Header &header, int rank, int ranks) {
   mesh.checksum = header.checksum;
   mesh.digest = header.digest;
   mesh.coordinate_system = header.coordinate_system;
+  mesh.domain = header.domain;
   mesh.first_slab = first_slab_of_rank(header.extents.slabs(), rank, ranks);
   return mesh;
 }
@@ -270,6 +271,8 @@ DistributedMesh read_slabs(const std::string &path, int rank, int ranks, const P
   const Reader reader(path);
   const Header header = reader.read_header();
   DistributedMesh mesh = common_of(header, rank, ranks);
+  if (mesh.domain)
+    reader.read_sides(header, *mesh.domain);
   const int end = first_slab_of_rank(header.extents.slabs(), rank + 1, ranks);
   ProgressCount done(progress, "read", numbers_of_slabs(header, mesh.first_slab, end));
   const SlabReader slab_reader(reader, header, done);
@@ -380,6 +383,7 @@ MeshDescription describe_mesh(const Communicator &comm, const std::string &path)
     result.digest = header.digest;
     result.attributes = header.attribute_names;
     result.coordinate_system = header.coordinate_system;
+    result.domain = header.domain;
     result.file_bytes = reader.file_bytes();
     return result;
   });

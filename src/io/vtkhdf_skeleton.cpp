@@ -18,6 +18,8 @@ namespace {
 using hdf5::Handle;
 using hdf5::NumberType;
 
+constexpr int format_of_points = 1; // of meshes without a domain, which older programs read
+
 /// Makes objects one after another, always in the same order and without times, so that equal meshes make
 /// equal bytes.
 class Maker {
@@ -58,9 +60,11 @@ public:
   }
   const std::map<std::string, std::int64_t> &column_bytes() const { return column_bytes_; }
 
-  /// A short column with its contents.
-  template <class T> void contents(const std::string &name, const std::vector<T> &values) const {
-    const Handle made = dataset(name, NumberType<T>::stored(), static_cast<GlobalIndex>(values.size()));
+  /// A column with its contents, row by row.
+  template <class T>
+  void contents(const std::string &name, const std::vector<T> &values, int width = 1) const {
+    const Handle made =
+        dataset(name, NumberType<T>::stored(), static_cast<GlobalIndex>(values.size()) / width, width);
     write(made, NumberType<T>::native(), values.data(), values.empty(), name);
   }
 
@@ -155,7 +159,8 @@ void make_vtk_part(Maker &make, const Extents &extents, const std::vector<std::s
 void make_own_part(Maker &make, const DistributedMesh &mesh, const Extents &extents,
                    const std::vector<std::string> &names) {
   make.group(own_group);
-  make.number<std::int64_t>(own_group, "format_version", {mesh_format_version});
+  make.number<std::int64_t>(own_group, "format_version",
+                            {mesh.domain ? mesh_format_version : format_of_points});
   make.text(own_group, "program_version", DOVETAIL_VERSION);
   make.text(own_group, "axis", mesh.axis == Axis::x ? "x" : "y");
   make.number<std::uint64_t>(own_group, "checksum", {mesh.checksum});
@@ -187,6 +192,42 @@ void make_records(const Maker &make, const std::vector<CoordinateSystemRecord> &
   }
 }
 
+std::vector<std::int64_t> widened(const std::vector<LocalIndex> &values) {
+  return {values.begin(), values.end()};
+}
+
+/// All of it at once: the mesh of a domain is made by one process.
+void make_domain(const Maker &make, const DomainRecord &domain) {
+  std::vector<std::int64_t> ends;
+  std::vector<std::int32_t> markers;
+  for (const Segment &segment : domain.segments) {
+    ends.insert(ends.end(), {segment.from, segment.to});
+    markers.push_back(segment.marker);
+  }
+  std::vector<double> hole_places, region_rows;
+  for (const Point hole : domain.holes)
+    hole_places.insert(hole_places.end(), {hole.x, hole.y});
+  for (const RegionSeed &region : domain.regions)
+    region_rows.insert(region_rows.end(),
+                       {region.place.x, region.place.y, region.attribute, region.max_area});
+  make.group(cell_data_group);
+  make.contents(region_of_cell, domain.region);
+  make.group(domain_group);
+  make.number<std::int64_t>(domain_group, "even_odd", {domain.even_odd ? 1 : 0});
+  make.number<std::int64_t>(domain_group, "hull_segments", {domain.hull_segments});
+  make.number<std::int64_t>(domain_group, "given_vertices", {domain.given_vertices});
+  make.number<double>(domain_group, "min_angle", {domain.min_angle});
+  make.contents(segments, ends, 2);
+  make.contents(segment_markers, markers);
+  make.contents(is_line, domain.is_line);
+  make.contents(holes, hole_places, 2);
+  make.contents(regions, region_rows, 4);
+  make.contents(segment_of_side, domain.segment_of_side, 3);
+  make.contents(chain_offsets, widened(domain.chain_offsets));
+  make.contents(chain_vertices, widened(domain.chain_vertices));
+  make.contents(left_triangles, widened(domain.left_triangles));
+}
+
 } // namespace
 
 void check_attribute_names(const std::vector<std::string> &names, const std::string &path) {
@@ -200,6 +241,19 @@ void check_attribute_names(const std::vector<std::string> &names, const std::str
   }
 }
 
+namespace {
+
+std::int64_t estimated_bytes_of(const DomainRecord &domain) {
+  const auto bytes = [](const auto &values, std::size_t each) {
+    return static_cast<std::int64_t>(values.size() * each);
+  };
+  return bytes(domain.region, 4) + bytes(domain.segment_of_side, 4) + bytes(domain.segments, 21) +
+         bytes(domain.holes, 16) + bytes(domain.regions, 32) + bytes(domain.chain_offsets, 8) +
+         bytes(domain.chain_vertices, 8) + bytes(domain.left_triangles, 8) + 16384;
+}
+
+} // namespace
+
 std::int64_t estimated_bytes(const DistributedMesh &mesh, const Extents &extents,
                              const std::vector<std::string> &names) {
   const auto attributes = static_cast<std::int64_t>(names.size());
@@ -209,6 +263,8 @@ std::int64_t estimated_bytes(const DistributedMesh &mesh, const Extents &extents
   bytes += (extents.slabs() + 1) * std::int64_t{4 + 8 * 9};
   for (const CoordinateSystemRecord &record : mesh.coordinate_system)
     bytes += static_cast<std::int64_t>(record.bytes.size() + record.description.size()) + 4096;
+  if (mesh.domain)
+    bytes += estimated_bytes_of(*mesh.domain);
   constexpr std::int64_t metadata = 65536; // about 12 KiB and 300 bytes an attribute, measured
   return bytes + metadata + 1024 * attributes;
 }
@@ -243,6 +299,8 @@ Skeleton make_skeleton(const std::string &path, const DistributedMesh &mesh, con
     make_vtk_part(make, extents, names);
     make_own_part(make, mesh, extents, names);
     make_records(make, mesh.coordinate_system);
+    if (mesh.domain)
+      make_domain(make, *mesh.domain);
     skeleton.column_bytes = make.column_bytes();
   }
   hdf5::check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "cannot be written");

@@ -10,10 +10,10 @@ namespace {
 
 constexpr std::array<HalfEdge, 3> sides_of(LocalIndex face) { return {4 * face, 4 * face + 1, 4 * face + 2}; }
 
-/// Visits what is reached from the given faces without crossing a segment, where `enter` agrees; it must not
-/// agree to the same face twice. Neighbours across segments are handed to `across`.
-template <class Enter, class Across>
-void flood(const Faces &faces, std::vector<LocalIndex> &reached, Enter enter, Across across) {
+/// Visits what is reached from the given faces without crossing a side that `bars`, where `enter` agrees; it
+/// must not agree to the same face twice. Neighbours across such sides are handed to `across`.
+template <class Bars, class Enter, class Across>
+void flood(const Faces &faces, std::vector<LocalIndex> &reached, Bars bars, Enter enter, Across across) {
   while (!reached.empty()) {
     const LocalIndex t = reached.back();
     reached.pop_back();
@@ -21,7 +21,7 @@ void flood(const Faces &faces, std::vector<LocalIndex> &reached, Enter enter, Ac
       const HalfEdge twin = faces.twin(h);
       if (twin == none)
         continue;
-      if (faces.is_segment(h))
+      if (bars(h))
         across(face_of(twin));
       else if (enter(face_of(twin)))
         reached.push_back(face_of(twin));
@@ -106,15 +106,23 @@ private:
 };
 
 constexpr auto nowhere = [](LocalIndex) {};
+constexpr auto segments_of(const Faces &faces) {
+  return [&faces](HalfEdge h) { return faces.is_segment(h); };
+}
 
 } // namespace
 
-void mark_outside(Faces &faces, bool even_odd) {
+void mark_outside(const PlanarGraph &graph, Faces &faces) {
+  const bool even_odd = graph.even_odd;
+  const auto bars = [&](HalfEdge h) {
+    return faces.is_segment(h) && !(even_odd && !graph.is_line.empty() &&
+                                    graph.is_line[static_cast<std::size_t>(faces.segment(h))] != 0);
+  };
   std::vector<LocalIndex> layer, next_layer; // faces by the number of segments before them
   for (LocalIndex t = 0; t < faces.count(); ++t)
     for (const HalfEdge h : sides_of(t))
       if (faces.twin(h) == none)
-        (faces.is_segment(h) ? next_layer : layer).push_back(t);
+        (bars(h) ? next_layer : layer).push_back(t);
   // Marks: 1 outside, 2 inside; what was never reached cannot be.
   bool outside = true;
   while (!layer.empty() || (even_odd && !next_layer.empty())) {
@@ -124,7 +132,7 @@ void mark_outside(Faces &faces, bool even_odd) {
     const auto enter = [&](LocalIndex t) {
       return faces.face(t).mark == 0 && (faces.face(t).mark = mark) != 0;
     };
-    flood(faces, layer, enter, [&](LocalIndex t) {
+    flood(faces, layer, bars, enter, [&](LocalIndex t) {
       if (faces.face(t).mark == 0)
         next_layer.push_back(t);
     });
@@ -156,7 +164,7 @@ std::vector<StraySeed> mark_holes(std::span<const Point> vertices, std::span<con
   }
   const auto enter = [&](LocalIndex t) { return faces.face(t).mark == 0 && (faces.face(t).mark = 1) != 0; };
   std::erase_if(found, [&](LocalIndex t) { return !enter(t); });
-  flood(faces, found, enter, nowhere);
+  flood(faces, found, segments_of(faces), enter, nowhere);
   return stray;
 }
 
@@ -178,7 +186,7 @@ std::vector<StraySeed> number_regions(std::span<const Point> vertices, std::span
       faces.face(place->face).region = seed;
       reached.assign(1, place->face);
       flood(
-          faces, reached,
+          faces, reached, segments_of(faces),
           [&](LocalIndex t) {
             if (faces.face(t).region != none || faces.face(t).mark != 0)
               return false;

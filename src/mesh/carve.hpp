@@ -10,8 +10,8 @@
 namespace dovetail {
 
 /// Marks the faces that are outside, by the graph's rules: reached from beyond the hull without crossing a
-/// segment, or, with even_odd, by crossing an even number of them at the least. Linear.
-void mark_outside(Faces &faces, bool even_odd);
+/// segment, or, with even_odd, by crossing an even number of them at the least, not counting lines. Linear.
+void mark_outside(const PlanarGraph &graph, Faces &faces);
 
 /// Marks the faces that are reached from seeds without crossing a segment. A seed that has no effect is
 /// returned. Linear, and a walk for each seed.

@@ -78,7 +78,7 @@ Constrained constrain(const PlanarGraph &graph, const ConstrainOptions &options)
     if (options.outline == Outline::convex_hull)
       result.hull_segments = make_hull_segments(graph.segments.size(), options.hull_marker, faces);
     else
-      mark_outside(faces, graph.even_odd);
+      mark_outside(graph, faces);
   }
   result.stray_holes = mark_holes(graph.vertices, graph.holes, faces);
   result.stray_regions = number_regions(graph.vertices, graph.regions, faces);

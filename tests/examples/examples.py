@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs an example and checks what it prints.
 
-usage: examples.py serial|in_memory|poisson PROGRAM     $DOVETAIL_MPIEXEC starts the ranks (default: mpiexec)
+usage: examples.py serial|in_memory|poisson|refined_poisson PROGRAM     $DOVETAIL_MPIEXEC starts the ranks (default: mpiexec)
 """
 import math
 import os
@@ -89,7 +89,18 @@ def check_poisson(program):
         assert numpy.allclose(table[:, 1], tables[0][:, 1], rtol=1e-8, atol=0), (table, tables[0])
 
 
+def check_refined_poisson(program):
+    table = numpy.array([numbers_in(line) for line in output_of(program).splitlines()])
+    triangles, largest, error = table.T
+    assert numpy.allclose(largest[:-1] / largest[1:], 4), table
+    assert ((triangles[1:] / triangles[:-1] > 3) & (triangles[1:] / triangles[:-1] < 5)).all(), table
+    orders = numpy.log2(error[:-1] / error[1:]) / numpy.log2(triangles[1:] / triangles[:-1]) * 2
+    assert (orders > 1.7).all() and abs(orders.mean() - 2) < 0.2, orders  # in the mesh size, the root of the area
+    assert error[-1] < 1e-3, table
+
+
 if __name__ == "__main__":
     example, program_path = sys.argv[1:]
-    {"serial": check_serial, "in_memory": check_in_memory, "poisson": check_poisson}[example](program_path)
+    {"serial": check_serial, "in_memory": check_in_memory, "poisson": check_poisson,
+     "refined_poisson": check_refined_poisson}[example](program_path)
     print(f"{example}: as it must be")

@@ -77,8 +77,19 @@ with tempfile.TemporaryDirectory() as name:
     run(raw, "--source", source)
     assert (np.fromfile(raw, "<f8").reshape(-1, 2) == points).all()
 
+    domain = folder / "rings.poly"
+    said = run(domain, "--source", source, "--min-points", 3)
+    words = [line.split() for line in domain.read_text().splitlines()[1:]]
+    count = int(words[0][0])
+    ends = [(int(a), int(b), int(marker)) for _, a, b, marker in words[count + 2 : -1]]
+    assert said.startswith(f"{ends[-1][2]} rings in the window") and words[-1] == ["0"] and count == len(ends), said
+    assert sorted(a for a, _, _ in ends) == sorted(b for _, b, _ in ends) == list(range(count)), ends
+    vertices = np.array([[float(x), float(y)] for _, x, y in words[1 : count + 1]])
+    assert len(np.unique(vertices, axis=0)) == count and {tuple(v) for v in vertices} <= {tuple(p) for p in points}
+    assert "0 rings" in run(domain, "--source", source, "--window", "100,80,101,81")
+
     write(source, cut[:1] + cut[2:])  # a piece is missing
     assert "GSHHG 2.3.7" in run(output, "--source", source, code=1)
     assert "gmt-gshhg-full" in run(output, "--source", folder / "none.nc", code=1)
-    assert "neither .npy nor .f64" in run(folder / "points.txt", code=2)
+    assert "none of .npy, .f64 and .poly" in run(folder / "points.txt", code=2)
 print("pieces of five bins joined to three rings")

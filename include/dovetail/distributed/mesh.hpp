@@ -2,9 +2,11 @@
 #pragma once
 
 #include "dovetail/base/point_table.hpp"
+#include "dovetail/mesh/domain_record.hpp"
 #include "dovetail/mesh/triangulation.hpp"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -65,6 +67,9 @@ struct DistributedMesh {
   InputDigest digest;
   std::vector<CoordinateSystemRecord> coordinate_system; ///< of the input, carried along
   MeshStatistics statistics;
+  /// A mesh of a domain, on one slab; its boundary is that of the domain, and hull_edges counts it. Without:
+  /// the Delaunay triangulation of all sites.
+  std::optional<DomainRecord> domain;
 
   int first_slab = 0;                ///< number of slabs.front()
   std::vector<SlabMesh> slabs;       ///< this rank's

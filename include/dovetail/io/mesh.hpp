@@ -15,6 +15,11 @@
 ///   numbers across from each corner, -1 beyond the hull; paths i64, global site numbers, that of slab s
 ///   being its left line's; duplicates i64 (D, 2), input index and site; duplicate_z f64 (D), only if there
 ///   is a z; attributes, the names in order; coordinate_system/0, 1, ...: one dataset u8 a record.
+/// A mesh of a domain (format 2; others are format 1, which older programs read) has VTKHDF/CellData/region
+///   i32 (T) and the group domain: attributes even_odd, hull_segments, given_vertices, min_angle; segments
+///   i64 (S, 2), site numbers; segment_markers i32 (S); is_line u8 (none or S); holes f64 (H, 2); regions f64
+///   (R, 4): x, y, attribute, greatest area; segment_of_side i32 (T, 3); chain_offsets, chain_vertices i64;
+///   left_triangles i64. mesh/domain_record.hpp says what they are.
 #pragma once
 
 #include "dovetail/base/progress.hpp"
@@ -25,13 +30,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace dovetail {
 
-/// What this library writes, and the newest it reads.
-inline constexpr int mesh_format_version = 1;
+/// The newest format that this library reads.
+inline constexpr int mesh_format_version = 2;
 
 struct MeshWriting {
   /// Columns pass through a buffer of this size, and no single write is larger.
@@ -52,7 +58,8 @@ struct MeshWriting {
 ///            points taken from the input, in its order: a corner in the .ele file is the number of a point
 ///            in the user's own file. Merged duplicates stay, named by no triangle, with their own z and else
 ///            their site's attributes. Where LAS records were skipped, nodes are numbered without gaps, as
-///            the format wants it, and not by record. Attributes follow the coordinates, and "marker", if it
+///            the format wants it, and not by record. The mesh of a domain has NAME.poly too: subsegments
+///            with markers, holes and regions. Attributes follow the coordinates, and "marker", if it
 ///            is whole numbers, is the boundary marker; doubles are the shortest decimals that read back the
 ///            same
 ///   .npy     NumPy arrays NAME.points.npy (sites in global order: x, y and the attributes, f64),
@@ -108,6 +115,7 @@ struct MeshDescription {
   Point lowest{0, 0}, highest{0, 0}; ///< the bounding box of the sites; zeros if there are none
   std::vector<std::string> attributes;
   std::vector<CoordinateSystemRecord> coordinate_system;
+  std::optional<DomainRecord> domain; ///< without what there is one of for each triangle
   std::int64_t file_bytes = 0;
 };
 

@@ -30,6 +30,9 @@ struct PlanarGraph {
   std::vector<Point> vertices;
   std::vector<std::int32_t> vertex_markers; ///< one a vertex
   std::vector<Segment> segments;
+  /// Not 0: even_odd does not count this segment (a line inside a polygon, the border of two of them). One a
+  /// segment, or none at all.
+  std::vector<std::uint8_t> is_line;
   std::vector<Point> holes; ///< what can be reached from here without crossing a segment is outside
   std::vector<RegionSeed> regions;
   bool even_odd = false; ///< outside is also what an even number of segments separates from infinity

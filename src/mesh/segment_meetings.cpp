@@ -1,0 +1,230 @@
+#include "segment_meetings.hpp"
+
+#include "dovetail/geometry/predicates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace dovetail {
+namespace {
+
+constexpr std::size_t at(LocalIndex i) { return static_cast<std::size_t>(i); }
+
+constexpr std::size_t few = 12;      // pieces that are compared with each other
+constexpr int most_cuts = 96;        // one in another
+constexpr int most_useless_cuts = 6; // one in another that left most pieces on both sides
+
+struct Box {
+  double low_x, low_y, high_x, high_y;
+  bool holds(Point p) const { return low_x <= p.x && p.x < high_x && low_y <= p.y && p.y < high_y; }
+};
+
+/// What is in a part of the plane.
+struct Part {
+  Box box;
+  std::vector<LocalIndex> pieces;
+  std::vector<LocalIndex> vertices;
+  int cuts = 0;
+  int useless_cuts = 0;
+};
+
+class Search {
+public:
+  Search(std::span<const Point> vertices, std::span<const Piece> pieces, std::size_t new_piece,
+         std::size_t new_vertex, Meetings &found)
+      : vertices_(vertices), pieces_(pieces), new_piece_(new_piece), new_vertex_(new_vertex), found_(found) {}
+
+  void run(Part whole) {
+    std::vector<Part> parts;
+    parts.push_back(std::move(whole));
+    while (!parts.empty()) {
+      Part part = std::move(parts.back());
+      parts.pop_back();
+      if (!has_news(part))
+        continue;
+      if (part.pieces.size() <= few || part.cuts >= most_cuts || part.useless_cuts >= most_useless_cuts ||
+          (part.vertices.size() <= 1 && share_a_vertex(part))) {
+        compare(part);
+        continue;
+      }
+      auto [low, high] = cut(part);
+      parts.push_back(std::move(low));
+      parts.push_back(std::move(high));
+    }
+  }
+
+private:
+  Point point(LocalIndex v) const { return vertices_[at(v)]; }
+  bool is_new_piece(LocalIndex piece) const { return at(piece) >= new_piece_; }
+  bool is_new_vertex(LocalIndex v) const { return at(v) >= new_vertex_; }
+
+  /// Of a piece: how far beside it something is looked for.
+  double reach(const Piece &piece) const {
+    const Point a = point(piece.from), b = point(piece.to);
+    return 0x1p-48 * std::max({std::fabs(a.x), std::fabs(a.y), std::fabs(b.x), std::fabs(b.y)}) +
+           std::numeric_limits<double>::min();
+  }
+
+  bool has_news(const Part &part) const {
+    return std::ranges::any_of(part.pieces, [&](LocalIndex piece) { return is_new_piece(piece); }) ||
+           (!part.pieces.empty() &&
+            std::ranges::any_of(part.vertices, [&](LocalIndex v) { return is_new_vertex(v); }));
+  }
+
+  bool share_a_vertex(const Part &part) const {
+    const Piece &first = pieces_[at(part.pieces.front())];
+    const auto all_have = [&](LocalIndex v) {
+      return std::ranges::all_of(part.pieces, [&](LocalIndex piece) {
+        return pieces_[at(piece)].from == v || pieces_[at(piece)].to == v;
+      });
+    };
+    return all_have(first.from) || all_have(first.to);
+  }
+
+  /// No piece that touches the box within its reach is missed. What overflows counts as touching.
+  bool touches(const Piece &piece, const Box &box) const {
+    const Point a = point(piece.from), b = point(piece.to);
+    const double margin = reach(piece);
+    if (std::max(a.x, b.x) + margin < box.low_x || std::min(a.x, b.x) - margin > box.high_x ||
+        std::max(a.y, b.y) + margin < box.low_y || std::min(a.y, b.y) - margin > box.high_y)
+      return false;
+    // The corners of the box, seen across the line; an unbounded box has none.
+    const double dx = b.x - a.x, dy = b.y - a.y;
+    const double x = 0.5 * box.low_x + 0.5 * box.high_x, y = 0.5 * box.low_y + 0.5 * box.high_y;
+    const double half_x = 0.5 * box.high_x - 0.5 * box.low_x, half_y = 0.5 * box.high_y - 0.5 * box.low_y;
+    const double across_line = std::fabs(dx * (y - a.y) - dy * (x - a.x));
+    const double rounding = 0x1p-48 * (std::fabs(x) + std::fabs(y) + half_x + half_y);
+    const double most =
+        (half_x + margin + rounding) * std::fabs(dy) + (half_y + margin + rounding) * std::fabs(dx);
+    return !(across_line > most);
+  }
+
+  struct Halves {
+    Part low, high;
+  };
+
+  /// At the median of the vertices; where there are few, in the middle of the box.
+  Halves cut(Part &part) const {
+    const auto extent = [&](auto coordinate) {
+      double low = std::numeric_limits<double>::infinity(), high = -low;
+      for (const LocalIndex v : part.vertices) {
+        low = std::min(low, coordinate(point(v)));
+        high = std::max(high, coordinate(point(v)));
+      }
+      return 0.5 * high - 0.5 * low;
+    };
+    const auto x_of = [](Point p) { return p.x; };
+    const auto y_of = [](Point p) { return p.y; };
+    Box low = part.box, high = part.box;
+    if (part.vertices.size() > few) {
+      const bool along_x = extent(x_of) >= extent(y_of);
+      const auto middle = part.vertices.begin() + static_cast<std::ptrdiff_t>(part.vertices.size() / 2);
+      std::ranges::nth_element(part.vertices, middle, {},
+                               [&](LocalIndex v) { return along_x ? point(v).x : point(v).y; });
+      if (along_x)
+        low.high_x = high.low_x = point(*middle).x;
+      else
+        low.high_y = high.low_y = point(*middle).y;
+    } else if (0.5 * part.box.high_x - 0.5 * part.box.low_x >= 0.5 * part.box.high_y - 0.5 * part.box.low_y) {
+      low.high_x = high.low_x = 0.5 * part.box.low_x + 0.5 * part.box.high_x;
+    } else {
+      low.high_y = high.low_y = 0.5 * part.box.low_y + 0.5 * part.box.high_y;
+    }
+    Halves halves{share(part, low), share(part, high)};
+    const bool useless =
+        10 * std::min(halves.low.pieces.size(), halves.high.pieces.size()) > 8 * part.pieces.size();
+    halves.low.useless_cuts = halves.high.useless_cuts = useless ? part.useless_cuts + 1 : 0;
+    return halves;
+  }
+
+  Part share(const Part &part, const Box &box) const {
+    Part result{box, {}, {}, part.cuts + 1, 0};
+    std::ranges::copy_if(part.pieces, std::back_inserter(result.pieces),
+                         [&](LocalIndex piece) { return touches(pieces_[at(piece)], box); });
+    std::ranges::copy_if(part.vertices, std::back_inserter(result.vertices),
+                         [&](LocalIndex v) { return box.holds(point(v)); });
+    return result;
+  }
+
+  void compare(const Part &part) {
+    if (!share_a_vertex(part))
+      for (std::size_t i = 0; i < part.pieces.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+          compare_pieces(part.pieces[i], part.pieces[j]);
+    for (const LocalIndex piece : part.pieces)
+      for (const LocalIndex v : part.vertices)
+        if ((is_new_piece(piece) || is_new_vertex(v)) && is_beside(pieces_[at(piece)], v))
+          found_.beside.emplace_back(piece, v);
+  }
+
+  void compare_pieces(LocalIndex i, LocalIndex j) {
+    const auto [a, b] = pieces_[at(i)];
+    const auto [c, d] = pieces_[at(j)];
+    if ((!is_new_piece(i) && !is_new_piece(j)) || a == c || a == d || b == c || b == d)
+      return;
+    if (boxes_are_apart(point(a), point(b), point(c), point(d)))
+      return;
+    const Sign of_c = orientation(point(a), point(b), point(c));
+    if (of_c == Sign::zero || of_c != -orientation(point(a), point(b), point(d)))
+      return;
+    const Sign of_a = orientation(point(c), point(d), point(a));
+    if (of_a != Sign::zero && of_a == -orientation(point(c), point(d), point(b)))
+      found_.crossings.emplace_back(std::min(i, j), std::max(i, j));
+  }
+
+  static bool boxes_are_apart(Point a, Point b, Point c, Point d) {
+    return std::max(a.x, b.x) < std::min(c.x, d.x) || std::max(c.x, d.x) < std::min(a.x, b.x) ||
+           std::max(a.y, b.y) < std::min(c.y, d.y) || std::max(c.y, d.y) < std::min(a.y, b.y);
+  }
+
+  bool is_beside(const Piece &piece, LocalIndex v) const {
+    if (v == piece.from || v == piece.to)
+      return false;
+    const Point a = point(piece.from), b = point(piece.to), p = point(v);
+    const double margin = reach(piece);
+    if (p.x < std::min(a.x, b.x) - margin || p.x > std::max(a.x, b.x) + margin ||
+        p.y < std::min(a.y, b.y) - margin || p.y > std::max(a.y, b.y) + margin)
+      return false;
+    const double dx = b.x - a.x, dy = b.y - a.y;
+    // Rounding reaches a few 2^-53, so nothing nearer than half of the margin is missed.
+    return !(std::fabs(dx * (p.y - a.y) - dy * (p.x - a.x)) > margin * (std::fabs(dx) + std::fabs(dy)));
+  }
+
+  std::span<const Point> vertices_;
+  std::span<const Piece> pieces_;
+  std::size_t new_piece_, new_vertex_;
+  Meetings &found_;
+};
+
+void sort_out(std::vector<std::pair<LocalIndex, LocalIndex>> &pairs) {
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+}
+
+} // namespace
+
+Meetings find_meetings(std::span<const Point> vertices, std::span<const Piece> pieces,
+                       std::vector<LocalIndex> live, std::size_t new_piece, std::size_t new_vertex) {
+  Meetings found;
+  Part whole{};
+  // A box that holds them all: its upper sides are not part of it.
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  whole.box = {infinity, infinity, -infinity, -infinity};
+  for (const Point p : vertices) {
+    whole.box.low_x = std::min(whole.box.low_x, p.x);
+    whole.box.low_y = std::min(whole.box.low_y, p.y);
+    whole.box.high_x = std::max(whole.box.high_x, std::nextafter(p.x, infinity));
+    whole.box.high_y = std::max(whole.box.high_y, std::nextafter(p.y, infinity));
+  }
+  whole.pieces = std::move(live);
+  whole.vertices.resize(vertices.size());
+  std::iota(whole.vertices.begin(), whole.vertices.end(), 0);
+  Search(vertices, pieces, new_piece, new_vertex, found).run(std::move(whole));
+  sort_out(found.crossings);
+  sort_out(found.beside);
+  return found;
+}
+
+} // namespace dovetail
