@@ -22,8 +22,8 @@ Insertion insert_by_flips(std::vector<Point> &sites, Triangulation &mesh, Point 
   const LocalIndex first_new = commit(mesh, memory, vertex);
   sites.push_back(site);
   for (std::size_t e = 0; e < memory.edges.size(); ++e)
-    memory.stack.push_back(half_edge(star_triangle(memory, first_new, e), 0));
-  flip_to_delaunay(sites, mesh, memory.stack);
+    memory.sides.push_back(half_edge(star_triangle(memory, first_new, e), 0));
+  flip_to_delaunay(sites, mesh, memory.sides);
   return {vertex, star_triangle(memory, first_new, 0), true};
 }
 

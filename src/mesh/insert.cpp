@@ -1,6 +1,7 @@
 #include "dovetail/mesh/insert.hpp"
 
 #include "dovetail/base/error.hpp"
+#include "dovetail/base/huge_pages.hpp"
 #include "dovetail/mesh/divide_and_conquer.hpp"
 #include "dovetail/mesh/space_filling_order.hpp"
 
@@ -51,6 +52,14 @@ Insertion insert_at(std::vector<Point> &sites, Triangulation &mesh, Point site, 
 /// Points number order[0], order[1], ...
 std::vector<LocalIndex> insert_ordered(std::vector<Point> &sites, Triangulation &mesh,
                                        std::span<const Point> points, std::span<const LocalIndex> order) {
+  const std::size_t most = sites.size() + points.size();
+  const auto reserve = [](auto &values, std::size_t count) { // small batches must not copy the mesh each time
+    if (count > values.capacity())
+      reserve_huge(values, std::max(count, values.capacity() + values.capacity() / 2));
+  };
+  reserve(sites, most);
+  reserve(mesh.corners, 6 * most);
+  reserve(mesh.neighbours, 6 * most);
   std::vector<LocalIndex> vertex_of_point(points.size());
   auto next = order.begin();
   if (mesh.triangle_count() == 0) {

@@ -14,7 +14,7 @@
 /// a point at infinity beyond the hull, of which those are in the cavity.
 #pragma once
 
-#include "dovetail/geometry/predicates.hpp"
+#include "dovetail/geometry/seen.hpp"
 #include "dovetail/mesh/half_edge.hpp"
 #include "dovetail/mesh/locate.hpp"
 
@@ -45,7 +45,18 @@ struct Cavity {
                       ///< edges.front().from to edges.back().to
   bool has_locked_side = false; ///< a triangle of the cavity has one, or one is seen from outside; an edge
                                 ///< that is split counts
-  std::vector<HalfEdge> stack;  ///< sides still to be looked at; empty between calls
+
+  /// A side still to be looked across, its ends as seen from the site.
+  struct Front {
+    HalfEdge side;
+    LocalIndex from;
+    LocalIndex to;
+    Seen from_seen;
+    Seen to_seen;
+    double cross; ///< of these two
+  };
+  std::vector<Front> fronts;   ///< empty between calls
+  std::vector<HalfEdge> sides; ///< what flips work with (flip.hpp); empty between calls
 };
 
 /// Is a site inside the circle of a triangle? By the canonical rule; it must not be a corner.
@@ -65,44 +76,74 @@ template <class Locked> struct Search {
   const Locked &locked;
   Cavity &cavity;
 
+  using Front = Cavity::Front;
+
+  Seen see(LocalIndex vertex) const { return dovetail::see(sites[position(vertex)], site); }
+
   bool is_locked(HalfEdge h) const {
     const bool yes = locked(triangle_of(h), side_of(h));
     cavity.has_locked_side |= yes;
     return yes;
   }
 
-  /// Takes the triangle of h, and all that is reached from its other two sides.
-  void take(HalfEdge h) const {
-    cavity.triangles.push_back(triangle_of(h));
-    cavity.stack.push_back(before(h));
-    cavity.stack.push_back(after(h));
-    while (!cavity.stack.empty()) {
-      const HalfEdge side = cavity.stack.back();
-      cavity.stack.pop_back();
-      const HalfEdge beyond = twin(mesh, side);
-      if (!is_locked(side) && beyond != none && is_in_circle(sites, mesh, triangle_of(beyond), site)) {
-        cavity.triangles.push_back(triangle_of(beyond));
-        cavity.stack.push_back(before(beyond));
-        cavity.stack.push_back(after(beyond));
+  Front front(HalfEdge side) const {
+    const LocalIndex from = origin(mesh, side), to = target(mesh, side);
+    const Seen from_seen = see(from), to_seen = see(to);
+    return {side, from, to, from_seen, to_seen, dovetail::cross(from_seen, to_seen)};
+  }
+
+  /// What the filter leaves undecided.
+  [[gnu::noinline, gnu::cold]] Sign undecided(LocalIndex triangle) const {
+    return is_in_circle(sites, mesh, triangle, site) ? Sign::positive : Sign::negative;
+  }
+
+  /// Looks across a side, and goes on from those of a triangle that is taken. The side that comes later waits
+  /// in `fronts`.
+  void cross(Front front) const {
+    const std::size_t waiting = cavity.fronts.size();
+    for (;;) {
+      const LocalIndex beyond = mesh.neighbours[position(front.side)];
+      if (is_locked(front.side) || beyond == none) {
+        cavity.edges.push_back({front.from, front.to, twin(mesh, front.side), front.side});
       } else {
-        cavity.edges.push_back({origin(mesh, side), target(mesh, side), beyond, side});
+        const HalfEdge h = half_edge_towards(mesh, beyond, triangle_of(front.side));
+        const LocalIndex tip = apex(mesh, h);
+        const Seen tip_seen = see(tip);
+        const double to_tip = dovetail::cross(front.from_seen, tip_seen);
+        const double from_tip = dovetail::cross(tip_seen, front.to_seen);
+        Sign sign =
+            filter::in_circle(front.from_seen, front.to_seen, tip_seen, front.cross, to_tip, from_tip);
+        if (sign == Sign::zero) [[unlikely]]
+          sign = undecided(beyond);
+        if (sign == Sign::positive) {
+          cavity.triangles.push_back(beyond);
+          cavity.fronts.push_back({before(h), tip, front.to, tip_seen, front.to_seen, from_tip});
+          front.cross = to_tip;
+          front.side = after(h);
+          front.to = tip;
+          front.to_seen = tip_seen;
+          continue;
+        }
+        cavity.edges.push_back({front.from, front.to, h, front.side});
       }
+      if (cavity.fronts.size() == waiting)
+        return;
+      front = cavity.fronts.back();
+      cavity.fronts.pop_back();
     }
   }
 
-  /// Looks across a side of the triangle that the site is in.
-  void cross(HalfEdge side) const {
-    const HalfEdge beyond = twin(mesh, side);
-    if (!is_locked(side) && beyond != none && is_in_circle(sites, mesh, triangle_of(beyond), site))
-      take(beyond);
-    else
-      cavity.edges.push_back({origin(mesh, side), target(mesh, side), beyond, side});
+  /// Takes the triangle of h, and what is reached across its other two sides.
+  void take(HalfEdge h) const {
+    cavity.triangles.push_back(triangle_of(h));
+    cross(front(after(h)));
+    cross(front(before(h)));
   }
 
   void from_inside(LocalIndex triangle) const {
     cavity.triangles.push_back(triangle);
     for (int side = 0; side < 3; ++side)
-      cross(half_edge(triangle, side));
+      cross(front(half_edge(triangle, side)));
   }
 
   void from_edge(HalfEdge edge) const {

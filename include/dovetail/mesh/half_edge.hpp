@@ -29,8 +29,9 @@ constexpr int side_of(HalfEdge h) { return h - 3 * triangle_of(h); }
 
 constexpr int side_after(int side) { return side == 2 ? 0 : side + 1; }
 constexpr int side_before(int side) { return side == 0 ? 2 : side - 1; }
-constexpr HalfEdge after(HalfEdge h) { return side_of(h) == 2 ? h - 2 : h + 1; }
-constexpr HalfEdge before(HalfEdge h) { return side_of(h) == 0 ? h + 2 : h - 1; }
+// Written so that there is no branch: any of the three is as likely.
+constexpr HalfEdge after(HalfEdge h) { return h + 1 - 3 * static_cast<HalfEdge>(side_of(h) == 2); }
+constexpr HalfEdge before(HalfEdge h) { return h - 1 + 3 * static_cast<HalfEdge>(side_of(h) == 0); }
 
 inline LocalIndex origin(const Triangulation &mesh, HalfEdge h) { return mesh.corners[position(after(h))]; }
 inline LocalIndex target(const Triangulation &mesh, HalfEdge h) { return mesh.corners[position(before(h))]; }
@@ -38,12 +39,11 @@ inline LocalIndex target(const Triangulation &mesh, HalfEdge h) { return mesh.co
 inline LocalIndex apex(const Triangulation &mesh, HalfEdge h) { return mesh.corners[position(h)]; }
 
 /// The side of `triangle` whose neighbour is `neighbour`, which must be one. Two triangles of a mesh in the
-/// plane share one edge at most.
+/// plane share one edge at most. Any of the three is as likely, so there is no branch.
 inline HalfEdge half_edge_towards(const Triangulation &mesh, LocalIndex triangle, LocalIndex neighbour) {
-  const HalfEdge first = 3 * triangle;
-  return mesh.neighbours[position(first)] == neighbour       ? first
-         : mesh.neighbours[position(first + 1)] == neighbour ? first + 1
-                                                             : first + 2;
+  const LocalIndex *beyond = &mesh.neighbours[position(half_edge(triangle, 0))];
+  return half_edge(triangle,
+                   static_cast<int>(beyond[1] == neighbour) + 2 * static_cast<int>(beyond[2] == neighbour));
 }
 
 /// `none` on the hull.
