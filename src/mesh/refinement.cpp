@@ -162,25 +162,24 @@ void Refinement::extend_size(const Cavity &cavity, LocalIndex v) {
   if (options_.growth == 0)
     return;
   size_.resize(vertices_.size(), HUGE_VAL);
-  double &size = size_[index(v)];
   for (const RimEdge &edge : cavity.rim)
-    size = std::min(size, size_[index(edge.from)] + options_.growth * std::sqrt(edge.squared_distance));
-  if (cavity.open && !cavity.rim.empty())
-    size =
-        std::min(size, size_[index(cavity.last)] + options_.growth * std::sqrt(cavity.last_squared_distance));
+    size_[index(v)] = std::min(size_[index(v)],
+                               size_[index(edge.from)] + options_.growth * std::sqrt(edge.squared_distance));
 }
 
 void Refinement::look_at_fan(const Cavity &cavity) {
-  for (std::size_t k = 0; k < cavity.rim.size(); ++k) {
+  const std::size_t count = cavity.edge_count();
+  for (std::size_t k = 0; k < count; ++k) {
+    const RimEdge &edge = cavity.rim[k], &after = cavity.rim[k + 1];
     const LocalIndex t = cavity.faces[k];
-    look_at_triangle(t, {{squared_distance(cavity.rim[k].from_point, cavity.to_point(k)),
-                          cavity.to_squared_distance(k), cavity.rim[k].squared_distance}});
-    if (cavity.rim[k].segment != none)
+    look_at_triangle(t, {{squared_distance(edge.from_point, after.from_point), after.squared_distance,
+                          edge.squared_distance}});
+    if (edge.segment != none)
       look_at_subsegment(4 * t);
   }
-  if (cavity.open && !cavity.rim.empty()) {
+  if (cavity.open && count > 0) {
     look_at_subsegment(4 * cavity.faces.front() + 2);
-    look_at_subsegment(4 * cavity.faces[cavity.rim.size() - 1] + 1);
+    look_at_subsegment(4 * cavity.faces[count - 1] + 1);
   }
 }
 
@@ -235,7 +234,7 @@ std::optional<Point> Refinement::split_point(HalfEdge h) const {
 }
 
 double Refinement::least_squared_distance(const Cavity &cavity) const {
-  double least = cavity.open ? cavity.last_squared_distance : HUGE_VAL;
+  double least = HUGE_VAL;
   for (const RimEdge &edge : cavity.rim)
     least = std::min(least, edge.squared_distance);
   return least;
@@ -260,10 +259,8 @@ void Refinement::split(HalfEdge h) {
     return leave_subsegment(h, LeftReason::precision);
   if (cavity_.locked || right_cavity_.locked)
     return leave_subsegment(h, LeftReason::locked);
-  double nearest = least_squared_distance(cavity_);
-  if (twin != none)
-    nearest = std::min(nearest, least_squared_distance(right_cavity_));
-  if (const auto reason = too_near(nearest))
+  if (const auto reason =
+          too_near(std::min(least_squared_distance(cavity_), least_squared_distance(right_cavity_))))
     return leave_subsegment(h, *reason);
   const LocalIndex v = add_vertex(*p, cavity_.segment);
   if (v == none)
@@ -278,11 +275,11 @@ void Refinement::split(HalfEdge h) {
 /// Whether p, whose cavity was found, encroaches on subsegments, or lies beyond one: these are in blocking_.
 bool Refinement::encroaches(Point p) {
   blocking_.clear();
-  for (std::size_t k = 0; k < cavity_.rim.size(); ++k) {
-    const RimEdge &edge = cavity_.rim[k];
-    if (edge.segment != none && (dot(edge.from_point - p, cavity_.to_point(k) - p) < 0 ||
-                                 orientation(edge.from_point, cavity_.to_point(k), p) != Sign::positive))
-      blocking_.push_back({edge.inside, edge.from, cavity_.to(k)});
+  for (std::size_t k = 0; k < cavity_.edge_count(); ++k) {
+    const RimEdge &edge = cavity_.rim[k], &after = cavity_.rim[k + 1];
+    if (edge.segment != none && (dot(edge.from_point - p, after.from_point - p) < 0 ||
+                                 orientation(edge.from_point, after.from_point, p) != Sign::positive))
+      blocking_.push_back({edge.inside, edge.from, after.from});
   }
   return !blocking_.empty();
 }

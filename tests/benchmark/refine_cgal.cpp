@@ -1,7 +1,6 @@
 #include "refine_driver.hpp"
 
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
-#include <CGAL/Delaunay_mesh_area_criteria_2.h>
 #include <CGAL/Delaunay_mesh_face_base_2.h>
 #include <CGAL/Delaunay_mesh_size_criteria_2.h>
 #include <CGAL/Delaunay_mesh_vertex_base_2.h>
@@ -68,10 +67,9 @@ int main(int argc, char **argv) {
       [](const benchmark::Task &task) {
         auto mesh = constrained(task);
         const double sine = std::sin(task.min_angle * std::numbers::pi / 180);
-        if (task.max_area > 0) // these criteria compare with a quarter of the squared sine
-          refine(task, *mesh, CGAL::Delaunay_mesh_area_criteria_2<Mesh>(sine * sine / 4, task.max_area));
-        else
-          refine(task, *mesh, CGAL::Delaunay_mesh_size_criteria_2<Mesh>(sine * sine, 0));
+        // CGAL bounds edges. With this bound it makes about as many triangles as others for the area.
+        const double longest = 1.8 * std::sqrt(task.max_area);
+        refine(task, *mesh, CGAL::Delaunay_mesh_size_criteria_2<Mesh>(sine * sine, longest));
         return mesh;
       },
       [](const benchmark::Task &, const std::unique_ptr<Mesh> &mesh) {
