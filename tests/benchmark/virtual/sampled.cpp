@@ -119,11 +119,24 @@ std::map<int, Path> paths_of(const Hulls &hulls, Axis axis, const std::set<int> 
   return paths;
 }
 
-std::set<int> slabs_to_sample(int slabs, int sample) {
-  std::set<int> chosen{0, slabs / 2, slabs - 1};
-  for (int i = 0; i < sample; ++i)
-    chosen.insert(static_cast<int>((static_cast<std::int64_t>(slabs) * (2 * i + 1)) / (2 * sample)));
+/// Every so many slabs one, the outermost not among them unless there are few.
+std::set<int> evenly_spaced(int slabs, int count) {
+  std::set<int> chosen;
+  for (int i = 0; i < count; ++i)
+    chosen.insert(static_cast<int>(static_cast<std::int64_t>(slabs) * (2 * i + 1) / (2 * count)));
   return chosen;
+}
+
+/// The borders of some slabs, and those at which the first groups of every level of the recursion are cut.
+std::set<int> borders_of(const std::set<int> &sampled, int slabs) {
+  std::set<int> borders;
+  for (const int slab : sampled)
+    for (const int border : {slab - 1, slab})
+      if (border >= 0 && border + 1 < slabs)
+        borders.insert(border);
+  for (int half = slabs / 2; half > 0; half /= 2)
+    borders.insert(half - 1);
+  return borders;
 }
 
 /// One slab as the rank that owns it has it when it begins to triangulate.
@@ -200,37 +213,35 @@ std::vector<Point> SlabwiseSet::slab(int number) const {
 }
 
 SampledRun run_sampled(const SlabwiseSet &set, int sample) {
-  const std::set<int> chosen = slabs_to_sample(set.slabs(), sample);
-  std::set<int> borders;
-  for (const int slab : chosen)
-    for (const int border : {slab - 1, slab})
-      if (border >= 0 && border + 1 < set.slabs())
-        borders.insert(border);
-  for (int half = set.slabs() / 2; half > 0; half /= 2) // of the first groups of every level of the recursion
-    borders.insert(half - 1);
+  // Averages are over the evenly spaced slabs, extremes also over those that are likely to be extreme.
+  const std::set<int> evenly = evenly_spaced(set.slabs(), sample);
+  std::set<int> chosen = evenly;
+  chosen.insert({0, set.slabs() / 2, set.slabs() - 1});
 
   const Hulls hulls = hulls_of(set);
-  const std::map<int, Path> paths = paths_of(hulls, set.axis(), borders);
+  const std::map<int, Path> paths = paths_of(hulls, set.axis(), borders_of(chosen, set.slabs()));
   SampledRun run;
   run.hull_max_s = hulls.longest_s;
   run.hull_mean_s = hulls.sum_s / set.slabs();
-  for (const auto &[border, path] : paths) {
+  run.sampled_slabs = static_cast<int>(chosen.size());
+  for (const auto &[border, path] : paths)
     run.longest_path = std::max(run.longest_path, static_cast<GlobalIndex>(path.size()));
-    run.mean_path += static_cast<double>(path.size()) / static_cast<double>(paths.size());
-  }
-  GlobalIndex ghosts = 0;
+  const auto count = static_cast<double>(evenly.size());
+  const auto lines = static_cast<double>(evenly.size() - evenly.count(0)); // left of them
   for (const int slab : chosen) {
     Region region = region_of(set, hulls, paths, slab);
+    const auto left_path = static_cast<double>(region.paths.front().size());
     const double start = processor_seconds();
     const UnstitchedMesh mesh = triangulate_region(std::move(region));
     const double taken = processor_seconds() - start;
     run.triangulate_max_s = std::max(run.triangulate_max_s, taken);
-    run.triangulate_mean_s += taken / static_cast<double>(chosen.size());
     run.path_sites_max = std::max(run.path_sites_max, mesh.path_sites);
-    ghosts += std::ssize(mesh.mesh.slabs.front().ghost_number);
+    if (evenly.contains(slab)) {
+      run.triangulate_mean_s += taken / count;
+      run.mean_path += left_path / lines;
+      run.mean_ghosts += static_cast<double>(mesh.mesh.slabs.front().ghost_number.size()) / count;
+    }
   }
-  run.sampled_slabs = static_cast<int>(chosen.size());
-  run.ghosts = ghosts * set.slabs() / run.sampled_slabs;
   return run;
 }
 
