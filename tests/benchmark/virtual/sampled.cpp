@@ -74,71 +74,77 @@ double processor_seconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// Own hulls of all slabs, at the lines that they bound.
-struct Hulls {
-  std::vector<Path> left, right;
-  std::vector<double> lines; ///< of border s, between slab s and the next
-  double longest_s = 0, sum_s = 0;
+/// What scanning all slabs gives.
+struct Scan {
+  std::vector<double> lines;   ///< of border b, between slab b and the next
+  std::map<int, Path> paths;   ///< of the borders asked for
+  std::vector<double> hulls_s; ///< processor time for the two own hulls of every slab
 };
 
-Hulls hulls_of(const SlabwiseSet &set) {
-  Hulls hulls;
-  for (int s = 0; s < set.slabs(); ++s) {
-    const std::vector<Point> points = set.slab(s);
-    const GlobalIndex first = set.points_of_slab() * s;
+/// Makes every slab twice, for its right hull on the way forwards and its left hull on the way back: hulls of
+/// thin slabs are nearly all of their points, and those of all slabs would not fit into memory.
+Scan scan(const SlabwiseSet &set, const std::set<int> &borders) {
+  Scan result;
+  result.hulls_s.resize(index(set.slabs()));
+  const auto hull = [&](int slab, const std::vector<Point> &points, SplitLine line) {
     const double start = processor_seconds();
-    hulls.left.push_back(s > 0 ? own_hull(points, first, {hulls.lines.back(), set.axis()}) : Path());
-    hulls.lines.push_back(across(points.back(), set.axis()));
-    hulls.right.push_back(s + 1 < set.slabs() ? own_hull(points, first, {hulls.lines.back(), set.axis()})
-                                              : Path());
-    const double taken = processor_seconds() - start;
-    hulls.longest_s = std::max(hulls.longest_s, taken);
-    hulls.sum_s += taken;
-  }
-  hulls.lines.pop_back();
-  return hulls;
-}
-
-/// The paths of some borders, by a scan forwards and one backwards.
-std::map<int, Path> paths_of(const Hulls &hulls, Axis axis, const std::set<int> &wanted) {
-  std::map<int, Path> paths;
-  const int borders = static_cast<int>(hulls.lines.size());
+    Path path = own_hull(points, set.points_of_slab() * slab, line);
+    result.hulls_s[index(slab)] += processor_seconds() - start;
+    return path;
+  };
   Path chain;
-  for (int b = 0; b < borders; ++b) {
-    chain = hull_of_both(chain, hulls.right[index(b)], {hulls.lines[index(b)], axis});
-    if (wanted.contains(b))
-      paths[b] = chain;
+  for (int s = 0; s + 1 < set.slabs(); ++s) {
+    const std::vector<Point> points = set.slab(s);
+    const SplitLine line{across(points.back(), set.axis()), set.axis()};
+    result.lines.push_back(line.position);
+    chain = hull_of_both(chain, hull(s, points, line), line);
+    if (borders.contains(s))
+      result.paths[s] = chain;
   }
   chain.clear();
-  for (int b = borders - 1; b >= 0; --b) {
-    const SplitLine line{hulls.lines[index(b)], axis};
-    chain = hull_of_both(chain, hulls.left[index(b + 1)], line);
-    if (wanted.contains(b))
-      paths[b] = hull_of_both(paths[b], chain, line);
+  for (int s = set.slabs() - 1; s > 0; --s) {
+    const SplitLine line{result.lines[index(s - 1)], set.axis()};
+    chain = hull_of_both(chain, hull(s, set.slab(s), line), line);
+    if (borders.contains(s - 1))
+      result.paths[s - 1] = hull_of_both(result.paths[s - 1], chain, line);
   }
-  return paths;
+  return result;
 }
 
-std::set<int> slabs_to_sample(int slabs, int sample) {
-  std::set<int> chosen{0, slabs / 2, slabs - 1};
-  for (int i = 0; i < sample; ++i)
-    chosen.insert(static_cast<int>((static_cast<std::int64_t>(slabs) * (2 * i + 1)) / (2 * sample)));
+/// Every so many slabs one, the outermost not among them unless there are few.
+std::set<int> evenly_spaced(int slabs, int count) {
+  std::set<int> chosen;
+  for (int i = 0; i < count; ++i)
+    chosen.insert(static_cast<int>(static_cast<std::int64_t>(slabs) * (2 * i + 1) / (2 * count)));
   return chosen;
 }
 
+/// The borders of some slabs, and those at which the first groups of every level of the recursion are cut.
+std::set<int> borders_of(const std::set<int> &sampled, int slabs) {
+  std::set<int> borders;
+  for (const int slab : sampled)
+    for (const int border : {slab - 1, slab})
+      if (border >= 0 && border + 1 < slabs)
+        borders.insert(border);
+  for (int half = slabs / 2; half > 0; half /= 2)
+    borders.insert(half - 1);
+  return borders;
+}
+
 /// One slab as the rank that owns it has it when it begins to triangulate.
-Region region_of(const SlabwiseSet &set, const Hulls &hulls, const std::map<int, Path> &paths, int slab) {
+Region region_of(const SlabwiseSet &set, const Scan &all, int slab) {
   Region region;
   Slabs &slabs = region.slabs;
   slabs.axis = set.axis();
-  slabs.lines = hulls.lines;
+  slabs.lines = all.lines;
   slabs.site_offsets = slab_offsets(set.points_of_slab() * set.slabs(), set.slabs());
   slabs.first_slab = slab;
   slabs.own_slab_count = 1;
   slabs.sites.points = set.slab(slab);
   slabs.sites.input_index.resize(slabs.sites.points.size());
   std::iota(slabs.sites.input_index.begin(), slabs.sites.input_index.end(), slabs.first_site());
-  region.paths = {slab > 0 ? paths.at(slab - 1) : Path(), slab + 1 < set.slabs() ? paths.at(slab) : Path()};
+  region.paths = {slab > 0 ? all.paths.at(slab - 1) : Path(),
+                  slab + 1 < set.slabs() ? all.paths.at(slab) : Path()};
   return region;
 }
 
@@ -200,37 +206,34 @@ std::vector<Point> SlabwiseSet::slab(int number) const {
 }
 
 SampledRun run_sampled(const SlabwiseSet &set, int sample) {
-  const std::set<int> chosen = slabs_to_sample(set.slabs(), sample);
-  std::set<int> borders;
-  for (const int slab : chosen)
-    for (const int border : {slab - 1, slab})
-      if (border >= 0 && border + 1 < set.slabs())
-        borders.insert(border);
-  for (int half = set.slabs() / 2; half > 0; half /= 2) // of the first groups of every level of the recursion
-    borders.insert(half - 1);
+  // Averages are over the evenly spaced slabs, extremes also over those that are likely to be extreme.
+  const std::set<int> evenly = evenly_spaced(set.slabs(), sample);
+  std::set<int> chosen = evenly;
+  chosen.insert({0, set.slabs() / 2, set.slabs() - 1});
 
-  const Hulls hulls = hulls_of(set);
-  const std::map<int, Path> paths = paths_of(hulls, set.axis(), borders);
+  const Scan all = scan(set, borders_of(chosen, set.slabs()));
   SampledRun run;
-  run.hull_max_s = hulls.longest_s;
-  run.hull_mean_s = hulls.sum_s / set.slabs();
-  for (const auto &[border, path] : paths) {
+  run.hull_max_s = *std::ranges::max_element(all.hulls_s);
+  run.hull_mean_s = std::accumulate(all.hulls_s.begin(), all.hulls_s.end(), 0.0) / set.slabs();
+  run.sampled_slabs = static_cast<int>(chosen.size());
+  for (const auto &[border, path] : all.paths)
     run.longest_path = std::max(run.longest_path, static_cast<GlobalIndex>(path.size()));
-    run.mean_path += static_cast<double>(path.size()) / static_cast<double>(paths.size());
-  }
-  GlobalIndex ghosts = 0;
+  const auto count = static_cast<double>(evenly.size());
+  const auto lines = static_cast<double>(evenly.size() - evenly.count(0)); // left of them
   for (const int slab : chosen) {
-    Region region = region_of(set, hulls, paths, slab);
+    Region region = region_of(set, all, slab);
+    const auto left_path = static_cast<double>(region.paths.front().size());
     const double start = processor_seconds();
     const UnstitchedMesh mesh = triangulate_region(std::move(region));
     const double taken = processor_seconds() - start;
     run.triangulate_max_s = std::max(run.triangulate_max_s, taken);
-    run.triangulate_mean_s += taken / static_cast<double>(chosen.size());
     run.path_sites_max = std::max(run.path_sites_max, mesh.path_sites);
-    ghosts += std::ssize(mesh.mesh.slabs.front().ghost_number);
+    if (evenly.contains(slab)) {
+      run.triangulate_mean_s += taken / count;
+      run.mean_path += left_path / lines;
+      run.mean_ghosts += static_cast<double>(mesh.mesh.slabs.front().ghost_number.size()) / count;
+    }
   }
-  run.sampled_slabs = static_cast<int>(chosen.size());
-  run.ghosts = ghosts * set.slabs() / run.sampled_slabs;
   return run;
 }
 

@@ -34,19 +34,19 @@ private:
 
 /// What a sample of slabs shows.
 struct SampledRun {
-  GlobalIndex longest_path = 0;   ///< of those seen: around sampled slabs, and of the recursion's first cuts
-  double mean_path = 0;           ///< of the lines between slabs, likewise
-  GlobalIndex path_sites_max = 0; ///< both paths of a slab
-  double hull_max_s = 0;          ///< processor time for the two own hulls of a slab
-  double hull_mean_s = 0;
-  double triangulate_max_s = 0; ///< for a slab with its paths
-  double triangulate_mean_s = 0;
-  GlobalIndex ghosts = 0; ///< of all slabs, as far as the sample tells
   int sampled_slabs = 0;
+  GlobalIndex longest_path = 0;
+  GlobalIndex path_sites_max = 0; ///< both paths of a slab
+  double mean_path = 0;           ///< of a line between slabs
+  double mean_ghosts = 0;         ///< of a slab
+  double hull_max_s = 0;          ///< processor time for the two own hulls of a slab; of all slabs
+  double hull_mean_s = 0;
+  double triangulate_max_s = 0; ///< processor time for a slab with its paths
+  double triangulate_mean_s = 0;
 };
 
-/// Takes own hulls of all slabs, all paths by scanning (F6'), and the triangles of about `sample` slabs, the
-/// outermost and the middle ones among them. The count of triangles that a slab's paths foretell is checked.
+/// Takes own hulls of all slabs, their paths by scanning (F6'), and the triangles of `sample` slabs and of
+/// the outermost and the middle ones. The count of triangles that a slab's paths foretell is checked.
 SampledRun run_sampled(const SlabwiseSet &set, int sample);
 
 } // namespace dovetail::virtual_ranks

@@ -208,7 +208,7 @@ nlohmann::ordered_json run_a_sample(const Options &options) {
   json["path_sites_max"] = run.path_sites_max;
   json["path_sites"] = static_cast<GlobalIndex>(run.mean_path * (options.ranks - 1));
   json["longest_path"] = run.longest_path;
-  json["ghosts"] = run.ghosts;
+  json["ghosts"] = static_cast<GlobalIndex>(run.mean_ghosts * options.ranks);
   json["hull_max_s"] = run.hull_max_s;
   json["hull_mean_s"] = run.hull_mean_s;
   json["triangulate_max_s"] = run.triangulate_max_s;
