@@ -14,26 +14,27 @@ LocalIndex commit(Triangulation &mesh, const Cavity &cavity, LocalIndex vertex) 
                  "a mesh grows beyond what 32-bit indices can number", "use more slabs"});
   mesh.corners.resize(sides);
   mesh.neighbours.resize(sides);
-  LocalIndex last = cavity.closed ? star_triangle(cavity, first_new, edges - 1) : none;
-  LocalIndex triangle = star_triangle(cavity, first_new, 0);
-  const LocalIndex first = cavity.closed ? triangle : none;
+  LocalIndex *corners = mesh.corners.data(), *neighbours = mesh.neighbours.data();
+  const LocalIndex first = star_triangle(cavity, first_new, 0);
+  LocalIndex last = first;
   for (std::size_t e = 0; e < edges; ++e) {
-    const LocalIndex next = e + 1 == edges ? first : star_triangle(cavity, first_new, e + 1);
     const CavityEdge &edge = cavity.edges[e];
+    const LocalIndex triangle = star_triangle(cavity, first_new, e);
     const std::size_t side = position(half_edge(triangle, 0));
-    mesh.corners[side] = vertex;
-    mesh.corners[side + 1] = edge.from;
-    mesh.corners[side + 2] = edge.to;
-    mesh.neighbours[side] = none;
-    mesh.neighbours[side + 1] = next;
-    mesh.neighbours[side + 2] = last;
+    corners[side] = vertex;
+    corners[side + 1] = edge.from;
+    corners[side + 2] = edge.to;
+    neighbours[side] = none;
     if (edge.beyond != none) {
-      mesh.neighbours[side] = triangle_of(edge.beyond);
-      mesh.neighbours[position(edge.beyond)] = triangle;
+      neighbours[side] = triangle_of(edge.beyond);
+      neighbours[position(edge.beyond)] = triangle;
     }
+    neighbours[side + 2] = last;
+    neighbours[position(half_edge(last, 1))] = triangle; // of the first, until there is a last
     last = triangle;
-    triangle = next;
   }
+  neighbours[position(half_edge(first, 2))] = cavity.closed ? last : none;
+  neighbours[position(half_edge(last, 1))] = cavity.closed ? first : none;
   return first_new;
 }
 

@@ -35,11 +35,18 @@ inline double cross(const Seen &a, const Seen &b) { return a.x * b.y - a.y * b.x
 
 namespace filter {
 
+/// A determinant and how wrong it may be.
+struct Bounded {
+  double value;
+  double bound;
+  bool is_decided() const { return std::fabs(value) > bound; }
+};
+
 /// As filter::orientation of a, b and the point they are seen from.
-inline Sign turn(const Seen &a, const Seen &b) {
+inline Bounded turn(const Seen &a, const Seen &b) {
   const double left = a.x * b.y, right = a.y * b.x;
   constexpr double constant = (3.0 + 16.0 * unit_roundoff) * unit_roundoff;
-  return decide(left - right, constant * (std::fabs(left) + std::fabs(right)) + underflow_guard);
+  return {left - right, constant * (std::fabs(left) + std::fabs(right)) + underflow_guard};
 }
 
 /// Is the point inside the circle of b, a, w? Zero if not decided. The crosses are those of `cross`.

@@ -86,9 +86,8 @@ template <class Locked> struct Search {
     return yes;
   }
 
-  Front front(HalfEdge side) const {
-    const LocalIndex from = origin(mesh, side), to = target(mesh, side);
-    const Seen from_seen = see(from), to_seen = see(to);
+  static Front front(HalfEdge side, LocalIndex from, LocalIndex to, const Seen &from_seen,
+                     const Seen &to_seen) {
     return {side, from, to, from_seen, to_seen, dovetail::cross(from_seen, to_seen)};
   }
 
@@ -97,13 +96,12 @@ template <class Locked> struct Search {
     return is_in_circle(sites, mesh, triangle, site) ? Sign::positive : Sign::negative;
   }
 
-  /// Looks across a side, and goes on from those of a triangle that is taken. The side that comes later waits
-  /// in `fronts`.
+  /// Looks across a side, and on from those of a triangle that is taken. The one that comes later waits in
+  /// `fronts`, and all that waits is looked across.
   void cross(Front front) const {
-    const std::size_t waiting = cavity.fronts.size();
     for (;;) {
       const LocalIndex beyond = mesh.neighbours[position(front.side)];
-      if (is_locked(front.side) || beyond == none) {
+      if (is_locked(front.side) || beyond == none) [[unlikely]] {
         cavity.edges.push_back({front.from, front.to, twin(mesh, front.side), front.side});
       } else {
         const HalfEdge h = half_edge_towards(mesh, beyond, triangle_of(front.side));
@@ -118,15 +116,15 @@ template <class Locked> struct Search {
         if (sign == Sign::positive) {
           cavity.triangles.push_back(beyond);
           cavity.fronts.push_back({before(h), tip, front.to, tip_seen, front.to_seen, from_tip});
-          front.cross = to_tip;
           front.side = after(h);
           front.to = tip;
           front.to_seen = tip_seen;
+          front.cross = to_tip;
           continue;
         }
         cavity.edges.push_back({front.from, front.to, h, front.side});
       }
-      if (cavity.fronts.size() == waiting)
+      if (cavity.fronts.empty())
         return;
       front = cavity.fronts.back();
       cavity.fronts.pop_back();
@@ -136,14 +134,21 @@ template <class Locked> struct Search {
   /// Takes the triangle of h, and what is reached across its other two sides.
   void take(HalfEdge h) const {
     cavity.triangles.push_back(triangle_of(h));
-    cross(front(after(h)));
-    cross(front(before(h)));
+    const LocalIndex from = target(mesh, h), tip = apex(mesh, h), to = origin(mesh, h);
+    const Seen tip_seen = see(tip);
+    cavity.fronts.push_back(front(before(h), tip, to, tip_seen, see(to)));
+    cross(front(after(h), from, tip, see(from), tip_seen));
   }
 
   void from_inside(LocalIndex triangle) const {
     cavity.triangles.push_back(triangle);
-    for (int side = 0; side < 3; ++side)
-      cross(front(half_edge(triangle, side)));
+    const HalfEdge h = half_edge(triangle, 0);
+    const LocalIndex *corner = &mesh.corners[position(h)];
+    const LocalIndex a = corner[0], b = corner[1], c = corner[2];
+    const Seen a_seen = see(a), b_seen = see(b), c_seen = see(c);
+    cavity.fronts.push_back(front(h + 2, a, b, a_seen, b_seen));
+    cavity.fronts.push_back(front(h + 1, c, a, c_seen, a_seen));
+    cross(front(h, b, c, b_seen, c_seen));
   }
 
   void from_edge(HalfEdge edge) const {

@@ -27,9 +27,9 @@ constexpr LocalIndex triangle_of(HalfEdge h) {
 }
 constexpr int side_of(HalfEdge h) { return h - 3 * triangle_of(h); }
 
-constexpr int side_after(int side) { return side == 2 ? 0 : side + 1; }
-constexpr int side_before(int side) { return side == 0 ? 2 : side - 1; }
-// Written so that there is no branch: any of the three is as likely.
+// Any of the three is as likely: no branches.
+constexpr int side_after(int side) { return side + 1 - 3 * static_cast<int>(side == 2); }
+constexpr int side_before(int side) { return side - 1 + 3 * static_cast<int>(side == 0); }
 constexpr HalfEdge after(HalfEdge h) { return h + 1 - 3 * static_cast<HalfEdge>(side_of(h) == 2); }
 constexpr HalfEdge before(HalfEdge h) { return h - 1 + 3 * static_cast<HalfEdge>(side_of(h) == 0); }
 

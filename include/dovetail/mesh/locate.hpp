@@ -107,22 +107,24 @@ template <class Locked> struct Walk {
     const HalfEdge base = half_edge(triangle, 0);
     // Where `entered` ends and begins: the other two sides go from ends[0] to the apex and on to ends[1].
     Seen ends[2] = {see(base + side_before(known)), see(base + side_after(known))};
-    if (entered == none && filter::turn(ends[1], ends[0]) != Sign::positive)
-      return false;
+    if (entered == none)
+      if (const filter::Bounded inside = filter::turn(ends[1], ends[0]); !(inside.value > inside.bound))
+        return false;
     entered = known;
     for (; steps_left > 0; --steps_left) {
       const Seen tip = see(half_edge(triangle, entered));
-      const Sign left = filter::turn(ends[0], tip), right = filter::turn(tip, ends[1]);
-      if (left == Sign::zero || right == Sign::zero)
+      const filter::Bounded left = filter::turn(ends[0], tip), right = filter::turn(tip, ends[1]);
+      if (!(left.is_decided() & right.is_decided()))
         return false;
-      const bool beyond_left = left == Sign::negative;
-      if (!beyond_left && right == Sign::positive)
+      // Which of the two sides is as good as random: no branch on it.
+      const bool beyond_left = left.value < 0;
+      if (!(beyond_left | (right.value < 0)))
         return true;
       const int side = beyond_left ? side_after(entered) : side_before(entered);
       if (mesh.neighbours[position(half_edge(triangle, side))] == none || locked(triangle, side))
         return false;
       cross(side);
-      ends[beyond_left ? 1 : 0] = tip;
+      ends[static_cast<std::size_t>(beyond_left)] = tip;
     }
     return false;
   }

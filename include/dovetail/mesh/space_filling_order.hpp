@@ -11,7 +11,8 @@ namespace dovetail {
 /// Numbers of all points, in rounds that double, each along Hilbert's curve. In which round a point comes is
 /// random (a function of its number and of nothing else), so that cavities stay small whatever the points;
 /// along a round each is near the last (Amenta, Choi and Rote, Incremental constructions con BRIO, 2003).
-/// O(n log n); 16 bytes a point while it works.
+/// O(n), by counting; 32 bytes a point while it works. Of points in the same of 2^16 x 2^16 places the order
+/// is that given.
 std::vector<LocalIndex> space_filling_order(std::span<const Point> points);
 
 } // namespace dovetail
