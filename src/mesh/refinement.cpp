@@ -23,15 +23,12 @@ bool is_finite(Point p) { return std::isfinite(p.x) && std::isfinite(p.y); }
 /// just below it. Smaller values make more points: 0.95 1.5 % more at 30 degrees.
 constexpr double safely_within = 0.99;
 
-/// Vertices are numbered so that what is near in number is near in the plane.
-constexpr SkinnyQueue::Tile tile_of(LocalIndex given_vertex) { return given_vertex >> 12; }
-
 } // namespace
 
 Refinement::Refinement(DomainMesh mesh, std::span<const Segment> segments, const RefineOptions &options)
     : options_(options), segments_(segments), bound_(options.min_angle),
       small_angles_(mesh.vertices, segments), given_markers_(std::move(mesh.vertex_markers)),
-      faces_(faces_of(mesh)), skinny_(tile_of(static_cast<LocalIndex>(mesh.vertices.size())) + 1),
+      faces_(faces_of(mesh)), tiles_(mesh.vertices, options.max_area), skinny_(tiles_.count()),
       search_(vertices_, faces_) {
   number_vertices(mesh);
   if (options.locked)
@@ -97,7 +94,7 @@ void Refinement::run() {
 void Refinement::look_at_all() {
   for (LocalIndex t = 0; t < faces_.count(); ++t) {
     const Face &face = faces_.face(t);
-    tile_ = tile_of(face.corner[0]);
+    tile_ = tiles_.of_given(face.corner[0]);
     look_at_triangle(t, squared_sides(point(face.corner[0]), point(face.corner[1]), point(face.corner[2])));
     if (face.segment_sides != 0)
       for (HalfEdge h = 4 * t; h < 4 * t + 3; ++h)
@@ -116,7 +113,8 @@ void Refinement::look_at_subsegment(HalfEdge h) {
 
 void Refinement::look_at_triangle(LocalIndex t, const SquaredSides &sides) {
   if (is_bad(t, sides))
-    skinny_.push(sides.side[sides.shortest()], {t, faces_.face(t).corner, tile_});
+    skinny_.push(sides.side[sides.shortest()],
+                 {t, faces_.face(t).corner, tiles_.of_new(point(faces_.face(t).corner[0]), tile_)});
 }
 
 bool Refinement::is_bad(LocalIndex t, const SquaredSides &sides) const {

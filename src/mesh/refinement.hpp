@@ -11,6 +11,7 @@
 #include "faces.hpp"
 #include "skinny_queue.hpp"
 #include "steiner_cavity.hpp"
+#include "tiles.hpp"
 
 #include <optional>
 #include <unordered_map>
@@ -81,8 +82,9 @@ private:
   Faces faces_;
 
   std::vector<Subsegment> encroached_;
+  Tiles tiles_;
   SkinnyQueue skinny_;
-  SkinnyQueue::Tile tile_ = 0; ///< of what is being looked at: new triangles are their parent's neighbours
+  SkinnyQueue::Tile tile_ = 0; ///< of what is being looked at
   CavitySearch search_;
   Cavity cavity_, right_cavity_;
   std::vector<Subsegment> blocking_; ///< subsegments that a point would encroach on

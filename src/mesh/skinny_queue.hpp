@@ -18,7 +18,7 @@ namespace dovetail {
 /// alone, in two thirds of the time; without classes 2 % more points, and at 33 degrees half as many again.
 class SkinnyQueue {
 public:
-  using Tile = std::int32_t;
+  using Tile = std::int32_t; ///< number in Tiles
   /// A triangle as it was: it is still there if its face has the same corners.
   struct Entry {
     LocalIndex face;

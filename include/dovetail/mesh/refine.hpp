@@ -20,15 +20,16 @@
 ///           below 60 degrees, at the same distance from there up to a thousandth of it.
 /// `is_exempt` (mesh/quality.hpp) decides this from a mesh alone.
 ///
-/// Rounding. Steiner points are rounded; from then on they are exact, like all vertices, and the mesh is
-/// constrained Delaunay by exact predicates. The point that splits a subsegment need not lie on it, and the
-/// two pieces then bend. It is chosen so that nothing is swept by the bend: it lies on the subsegment, or
-/// strictly inside one of the two triangles beside it, on the boundary never outside; and no piece is shorter
-/// than a quarter of the subsegment. Where doubles offer no such point the subsegment is left.
+/// Rounding (include/dovetail/README.md). Steiner points are rounded; from then on they are exact, like all
+/// vertices, and the mesh is constrained Delaunay by exact predicates. The point that splits a subsegment
+/// need not lie on it, and the two pieces then bend. It is chosen so that nothing is swept by the bend: it
+/// lies on the subsegment, or strictly inside one of the two triangles beside it, on the boundary never
+/// outside; and no piece is shorter than a quarter of the subsegment. Where doubles offer no such point the
+/// subsegment is left.
 ///
 /// It always ends: no point is inserted nearer to a vertex than `min_edge` or, at the least, 2^-44 of the
-/// greatest coordinate. Up to 20.7 degrees (26.45 but for the neighbourhood of small input angles, in
-/// practice 33) sizes are proved to stay in proportion to the local features, and neither limit is met.
+/// greatest coordinate. Whether it ends long before that is proved up to 20.7 degrees (Ruppert), with the
+/// exceptions above up to 26.45 (Miller, Pav, Walkington), and seen up to 33; see RefineOptions::max_points.
 #pragma once
 
 #include "dovetail/base/progress.hpp"
