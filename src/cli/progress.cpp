@@ -17,6 +17,9 @@ double seconds_between(std::chrono::steady_clock::time_point from, std::chrono::
   return std::chrono::duration<double>(to - from).count();
 }
 
+/// Not 100: that is when nothing more is said.
+int percent(double fraction) { return std::min(99, static_cast<int>(100 * fraction)); }
+
 // Who ends a run because of a signal stands outside of it, and the signal is the process's, so this is too.
 std::mutex meter_mutex;
 ProgressMeter *meter_in_use = nullptr;
@@ -103,6 +106,8 @@ void ProgressMeter::wipe_locked() {
 /// How long the stage under way takes from its beginning to its end, as far as anybody can know.
 std::optional<double> ProgressMeter::stage_seconds(Clock::time_point now, double weight_before) const {
   const double in_stage = seconds_between(stage_start_, now);
+  if (told_ >= 1) // all that tells is done, here; the rest of it, or other ranks, are under way
+    return std::nullopt;
   if (told_ > 0) {
     // It may tell rarely, say of one slab after another: go on at its speed, but not beyond what comes next.
     const double until_told = seconds_between(stage_start_, told_at_);
@@ -127,14 +132,14 @@ std::string ProgressMeter::line(Clock::time_point now) {
   const std::optional<double> stage = stage_seconds(now, before);
   if (!stage) {
     shown_fraction_ = std::max(shown_fraction_, before / (before + own + after));
-    return shown_fraction_ > 0 ? text + fmt::format(", over {:.0f} % done", 100 * shown_fraction_) : text;
+    return shown_fraction_ > 0 ? text + fmt::format(", over {} % done", percent(shown_fraction_)) : text;
   }
   // The stages to come are as much slower or faster than usual as those that are known.
   const double known = seconds_between(start_, stage_start_) + *stage;
   const double whole = known * (before + own + after) / (before + own);
   // Who finds that the rest takes longer than thought has not done less for that.
   shown_fraction_ = std::max(shown_fraction_, elapsed / whole);
-  return text + fmt::format(", about {:.0f} % done, {} left", 100 * shown_fraction_,
+  return text + fmt::format(", about {} % done, {} left", percent(shown_fraction_),
                             rough_duration_text(whole - elapsed));
 }
 

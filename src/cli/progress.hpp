@@ -27,8 +27,8 @@ enum class ProgressStyle {
 /// Tells from a thread of its own, which never calls MPI, which stage is under way, how much of the run is
 /// done, and how long the rest will take: the stage under way at its own speed, and those to come if they
 /// share the time with the others as they usually do. It promises nothing before it has measured something,
-/// nor when a stage takes longer than usual without telling how far it is. Nothing is printed in the first
-/// seconds: short runs stay silent. Local. One at a time in a process.
+/// nor when a stage takes longer than usual without telling how far it is, nor once a stage has told all.
+/// Nothing is printed in the first seconds: short runs stay silent. Local. One at a time in a process.
 class ProgressMeter {
 public:
   ProgressMeter(ProgressStyle style, std::vector<Stage> stages);
