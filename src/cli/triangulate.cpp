@@ -72,13 +72,50 @@ public:
   void finish(std::uint64_t, GlobalIndex) override {}
 };
 
+/// Slabs are made and written in turns: one stage of a run to who watches it.
+class SlabProgress {
+public:
+  explicit SlabProgress(Progress progress) : progress_(std::move(progress)) {}
+
+  Progress making() {
+    return [this](std::string_view stage, double fraction) {
+      if (stage != "triangulate") {
+        over_ = made_ > 0;
+        return report_progress(progress_, stage, fraction);
+      }
+      made_ = fraction;
+      tell();
+    };
+  }
+  Progress writing() {
+    return [this](std::string_view, double fraction) {
+      written_ = fraction;
+      tell();
+    };
+  }
+
+private:
+  void tell() const {
+    constexpr double share_of_making = 0.8; // of the time, on a disk that is fast enough
+    if (!over_)
+      report_progress(progress_, "triangulate", share_of_making * made_ + (1 - share_of_making) * written_);
+  }
+
+  Progress progress_;
+  double made_ = 0, written_ = 0;
+  bool over_ = false;
+};
+
 /// Into a file that takes slabs one by one, or only counted.
 void stream_phases(const TriangulateCommand &command, const Communicator &comm, PointFiles &files,
-                   const Plan &plan, const TriangulateOptions &options, Outcome &outcome) {
+                   const Plan &plan, TriangulateOptions options, Outcome &outcome) {
+  SlabProgress progress(options.slabs.progress);
+  options.slabs.progress = progress.making();
   NoSink nowhere;
-  const auto sink = command.writes() ? mesh_sink(command.output) : nullptr;
+  const auto sink = command.writes() ? mesh_sink(command.output, {.progress = progress.writing()}) : nullptr;
   SlabSink &into = sink ? *sink : nowhere;
   if (plan.forecast.on_disk) {
+    options.memory_bytes = plan.usable_bytes; // with sites in memory they are not all that is there
     const DiskSort disk{plan.scratch, plan.usable_bytes, most_slab_sites(plan.usable_bytes)};
     Slabs slabs =
         options.phases->measure("sort", [&] { return sort_on_disk(comm, files, options.slabs, disk); });

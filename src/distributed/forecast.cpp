@@ -10,10 +10,6 @@
 namespace dovetail {
 namespace {
 
-// Bytes, measured: see "Memory" in README.
-constexpr double bytes_of_chain_site = 5 * 24; ///< own hulls, scans and path of a line
-constexpr double bytes_of_border_site = 200;   ///< sides, twins and ghosts of a line, until they are stitched
-constexpr double bytes_of_slab_site = 150;     ///< columns, kernel and triangles
 constexpr double seconds_of_point = 1.3e-6, seconds_of_byte = 2e-9;
 
 struct PathLaw {
@@ -43,7 +39,7 @@ PathLaw law_of(std::vector<Point> sample, Axis axis) {
 double bytes_between(double sites, const Forecast &plan, int ranks) {
   const double lines_of_rank = std::min<double>(plan.slabs - 1.0, std::ceil(1.0 * plan.slabs / ranks) + 1);
   const double path = static_cast<double>(plan.path_sites);
-  return lines_of_rank * path * (bytes_of_chain_site + bytes_of_border_site) +
+  return lines_of_rank * path * bytes_of_path_site +
          (sites / plan.slabs + (plan.slabs > 1 ? 2 * path : 0)) * bytes_of_slab_site;
 }
 

@@ -4,11 +4,13 @@
 #include "dovetail/comm/agreement.hpp"
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/comm/exchange.hpp"
+#include "dovetail/distributed/forecast.hpp"
 #include "dovetail/distributed/stitch.hpp"
 #include "dovetail/distributed/triangulate_region.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace dovetail {
@@ -75,6 +77,26 @@ std::vector<stitching::OpenSide> triangulate_into(SlabSink &sink, const Region &
   return open_sides;
 }
 
+/// Local.
+void require_memory(const Region &region, std::int64_t memory_bytes) {
+  const Slabs &slabs = region.slabs;
+  GlobalIndex largest = 0, of_paths = 0, longest = 0;
+  for (int k = 0; k < slabs.own_slab_count; ++k) {
+    const auto s = index(slabs.first_slab + k);
+    const GlobalIndex left = std::ssize(region.paths[index(k)]),
+                      right = std::ssize(region.paths[index(k + 1)]);
+    largest = std::max(largest, slabs.site_offsets[s + 1] - slabs.site_offsets[s] + left + right);
+    of_paths += right;
+    longest = std::max({longest, left, right});
+  }
+  const std::int64_t needed = largest * bytes_of_slab_site + of_paths * bytes_of_path_site;
+  if (memory_bytes > 0 && needed > memory_bytes)
+    throw Error({ErrorKind::resource, "--memory", "",
+                 fmt::format("paths have up to {} sites: {} bytes more a rank are needed than there are",
+                             longest, needed - memory_bytes),
+                 "give more memory, or cut fewer slabs (--slabs)"});
+}
+
 } // namespace
 
 MeshOutline outline_of(const Communicator &comm, const Region &region) {
@@ -109,6 +131,10 @@ MeshOutline outline_of(const Communicator &comm, const Region &region) {
 
 DistributedMesh stream_mesh(const Communicator &comm, Region &&region, SlabSink &sink,
                             const StreamOptions &options) {
+  collectively(comm, [&] {
+    if (!region.problem)
+      require_memory(region, options.memory_bytes);
+  });
   MeshOutline outline = outline_of(comm, region);
   outline.mesh.coordinate_system = options.coordinate_system;
   sink.begin(comm, outline);

@@ -67,7 +67,8 @@ DistributedMesh triangulate_into(const Communicator &comm, Slabs &&slabs, SlabSi
                                  std::vector<CoordinateSystemRecord> coordinate_system,
                                  const TriangulateOptions &options) {
   return stream_mesh(comm, split(comm, std::move(slabs), options), sink,
-                     {options.slabs.progress, options.phases, options.kernel, std::move(coordinate_system)});
+                     {options.slabs.progress, options.phases, options.kernel, std::move(coordinate_system),
+                      options.memory_bytes});
 }
 
 DistributedMesh triangulate(const Communicator &comm, std::span<const Point> points,

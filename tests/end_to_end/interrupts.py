@@ -144,12 +144,16 @@ class Interrupts(harness.TestCase):
     def test_triangulate(self):
         output = self.folder / "output.vtkhdf"
         stages = ["read", "sort", "split", "triangulate", "stitch", "write"]
-        wanted = stages if FULL else ["triangulate", "write"]
+        wanted = stages[:-1] if FULL else ["triangulate"]  # what is called write here is over in an instant
         for ranks in (0, 3):
             with self.subTest(ranks=ranks):
                 arguments = ["triangulate", self.points, "-o", output, "--slabs", "3"]
                 # Without mpirun one slab would do, and its stages split and stitch would be empty.
                 self.interrupt_in(wanted, arguments, output, stages, ranks)
+                # Slabs are written as they are made.
+                partial = output.with_name(output.name + ".partial")
+                run = Interrupted(arguments, ranks, 0, only=range(ranks) if ranks else None, once=partial)
+                self.assertTrue(self.check(run, output), run)
 
     def test_triangulate_to_check(self):
         arguments = ["triangulate", self.points, "-o", "none"]

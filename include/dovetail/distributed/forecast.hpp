@@ -37,6 +37,11 @@ struct Forecast {
   bool fits = true;               ///< in memory
 };
 
+// Bytes, measured: a site of a slab, path included, with its columns, the kernel's memory and its triangles;
+// and a site of a path until all is stitched, with own hulls, scans, open sides, twins and ghosts.
+inline constexpr std::int64_t bytes_of_slab_site = 150;
+inline constexpr std::int64_t bytes_of_path_site = 320;
+
 /// So many sites of a slab, with what the kernel makes of them, take a quarter of this memory; at least 500.
 GlobalIndex most_slab_sites(std::int64_t memory_bytes);
 

@@ -8,6 +8,7 @@
 #include "dovetail/distributed/regions.hpp"
 #include "dovetail/distributed/slab_sink.hpp"
 
+#include <cstdint>
 #include <vector>
 
 namespace dovetail {
@@ -17,6 +18,9 @@ struct StreamOptions {
   PhaseLog *phases = nullptr; ///< if set, triangulate, write and stitch are added to it
   KernelChoice kernel;
   std::vector<CoordinateSystemRecord> coordinate_system; ///< of the input, carried along
+  /// That this rank may use for its slabs, one at a time, and for all its borders; 0: any. With the paths
+  /// known, a run that would need more is refused (Error, resource) before anything is written.
+  std::int64_t memory_bytes = 0;
 };
 
 /// Collective. What F9 tells of the mesh, slab by slab, from sites and paths alone.

@@ -16,9 +16,10 @@
 namespace dovetail {
 
 struct TriangulateOptions {
-  SlabOptions slabs;          ///< how to sort and cut; its progress hears of the later stages as well
-  PhaseLog *phases = nullptr; ///< if set, the phases sort, split, triangulate and stitch are added to it
-  KernelChoice kernel;        ///< for the triangles of slabs; no influence on the mesh
+  SlabOptions slabs;             ///< how to sort and cut; its progress hears of the later stages as well
+  PhaseLog *phases = nullptr;    ///< if set, the phases sort, split, triangulate and stitch are added to it
+  KernelChoice kernel;           ///< for the triangles of slabs; no influence on the mesh
+  std::int64_t memory_bytes = 0; ///< triangulate_into: see StreamOptions
 };
 
 /// Collective. The canonical Delaunay triangulation of the distinct points: a function of their set alone,
