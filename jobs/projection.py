@@ -50,9 +50,10 @@ def solve(matrix, values):
     return result
 
 
-def fit(features, values):
-    """Factors, none negative, that make the features add up to the values, to the least relative error."""
-    weights = [1 / value if value > 0 else 1.0 for value in values]
+def fit(features, values, scales):
+    """Factors, none negative, that make the features add up to the values, with the least squares of errors in units
+    of the scales."""
+    weights = [1 / scale if scale > 0 else 1.0 for scale in scales]
     kept = list(range(len(features[0])))
     while kept:
         scaled = [[row[k] * weight for k in kept] for row, weight in zip(features, weights)]
@@ -89,8 +90,9 @@ class Growth:
         self.terms = terms
 
     def carry_on(self, exact, quantity, record):
-        rest = [max(0.0, quantity(run) - self.known(run)) for run in exact]
-        factors = fit([[term(run) for term in self.terms] for run in exact], rest)
+        quantities = [quantity(run) for run in exact]
+        rest = [value - self.known(run) for value, run in zip(quantities, exact)]
+        factors = fit([[term(run) for term in self.terms] for run in exact], rest, quantities)
         return self.known(record) + sum(factor * self.terms[k](record) for k, factor in factors.items())
 
 
@@ -102,11 +104,14 @@ def growths(rounds, network):
     def depth(r):
         return log2_ceiling(r["ranks"])
 
-    def own(r):
-        return r["points"] / r["ranks"]
+    def depth_of_halves(r):  # of all groups that a rank is in while they are halved, up to a factor
+        return depth(r) ** 2
 
-    def moved(r):  # a point and its index, unless it is at home already
-        return 24 * own(r) * (1 - 1 / ranks(r))
+    def moved(r):  # bytes of the points that are not at home already, each with its index
+        return 24 * r["points"] / ranks(r) * (1 - 1 / ranks(r))
+
+    def sample(r):  # bytes of the root's sample of points, from which it chooses the axis, shared by all
+        return 16 * min(r["points"], 1 << 14) * (1 - 1 / ranks(r)) / ranks(r)
 
     def sort_seconds(r):
         return (rounds * network.all_reduce(ranks(r), 8 * ranks(r)) + 4 * network.all_to_all(ranks(r), 8)
@@ -118,20 +123,25 @@ def growths(rounds, network):
     def one(_):
         return 1.0
 
-    def on_paths(r):
-        return r["path_sites_max"]
+    def ghosts(r):
+        return r["ghosts"] / ranks(r)
 
     def paths_sent(r):
         return r["longest_path"] * depth(r)
 
+    def counted(r):  # of a count of 8 bytes from every rank to every other
+        return 8 * ranks(r)
+
     return {
         "sort": (Growth(sort_seconds, one, depth),
-                 Growth(lambda r: moved(r) + rounds * 8 * ranks(r) * depth(r), depth, ranks),
-                 Growth(nothing, depth, ranks)),
-        "split": (Growth(nothing, one, depth, paths_sent), Growth(nothing, depth, ranks, paths_sent),
-                  Growth(nothing, one, depth)),
-        "stitch": (Growth(lambda r: 4 * 8 * ranks(r) / network.bandwidth, one, depth, on_paths),
-                   Growth(nothing, depth, ranks, on_paths), Growth(nothing, one, depth, on_paths)),
+                 # A border that is found drops out of the rounds, so their number is not all there is to know.
+                 Growth(lambda r: moved(r) + sample(r) + 4 * counted(r), depth, lambda r: ranks(r) * depth(r)),
+                 Growth(lambda r: 4 * (ranks(r) - 1), depth)),
+        "split": (Growth(nothing, one, depth_of_halves, paths_sent),
+                  Growth(lambda r: 4 * counted(r), depth_of_halves, paths_sent),
+                  Growth(nothing, depth, depth_of_halves)),
+        "stitch": (Growth(lambda r: 4 * counted(r) / network.bandwidth, one, depth, ghosts),
+                   Growth(lambda r: 3 * counted(r), depth, ghosts), Growth(nothing, depth, ghosts)),
     }
 
 
@@ -153,7 +163,7 @@ def complete(record, exact):
         def of_rank(key, n=name):
             return lambda run: phase(run, n)[key] / run["ranks"]
         wall = seconds.carry_on(exact, lambda run, n=name: phase(run, n)["wall_max_s"], record)
-        work = Growth(lambda _: 0.0, lambda _: 1.0, lambda r: log2_ceiling(r["ranks"]), lambda r: r["path_sites_max"]) \
+        work = Growth(lambda _: 0.0, lambda _: 1.0, lambda r: log2_ceiling(r["ranks"]), lambda r: r["longest_path"]) \
             .carry_on(exact, of_rank("cpu_sum_s"), record)
         phases[name] = {
             "wall_max_s": wall, "wall_mean_s": wall, "cpu_max_s": work, "cpu_sum_s": work * ranks,

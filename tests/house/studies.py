@@ -134,11 +134,12 @@ def check_virtual_study(folder):
 def check_projection():
     """Factors that were put in come out; none is negative; fewer runs than terms are enough."""
     values = [3 * n + 5 * n * n for n in (1, 2, 4, 8)]
-    found = projection.fit([[n, n * n] for n in (1, 2, 4, 8)], values)
+    found = projection.fit([[n, n * n] for n in (1, 2, 4, 8)], values, values)
     assert all(abs(found[k] - factor) < 1e-9 for k, factor in ((0, 3), (1, 5))), found
-    falling = projection.fit([[1, n] for n in (1, 2, 3)], [3, 2, 1])
-    assert set(falling) == {0} and 1 <= falling[0] <= 3, falling
-    assert projection.fit([[1, 7, 2]], [4]) == {0: 4}
+    falling = projection.fit([[1, n] for n in (1, 2, 3)], [3, 2, 1], [1, 1, 1])
+    assert set(falling) == {0} and abs(falling[0] - 2) < 1e-9, falling
+    assert projection.fit([[1], [1]], [0, 4], [1, 1e-9]) == {0: 4}  # the second must be met, the first need not
+    assert projection.fit([[1, 7, 2]], [4], [1]) == {0: 4}
     assert projection.log2_ceiling(1) == 0 and projection.log2_ceiling(5) == 3
     network = projection.Network({"latency_s": 2, "overhead_s": 1, "bytes_per_second": 10})
     assert network.all_reduce(5, 20) == 3 * (2 + 2 + 2)

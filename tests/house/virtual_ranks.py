@@ -63,6 +63,8 @@ def check_samples():
         assert exact["axis"] == sample["axis"] == ("y" if kind == "line" else "x")
         for key in ("longest_path", "path_sites", "path_sites_max"):
             assert 0.85 < sample[key] / exact[key] < 1.15, (kind, key, sample[key], exact[key])
+        again = virtual(kind, 64_000, 32, "--sampled", "--kept-hulls", 1000)
+        assert all(again[key] == sample[key] for key in ("longest_path", "path_sites", "path_sites_max", "ghosts"))
     refused = subprocess.run([virtual_ranks, "circle", "1000", "10", "--sampled"], capture_output=True, text=True, check=False)
     assert refused.returncode == 1 and "only uniform" in refused.stderr, refused
 

@@ -81,9 +81,9 @@ struct Scan {
   std::vector<double> hulls_s; ///< processor time for the two own hulls of every slab
 };
 
-/// Makes every slab twice, for its right hull on the way forwards and its left hull on the way back: hulls of
-/// thin slabs are nearly all of their points, and those of all slabs would not fit into memory.
-Scan scan(const SlabwiseSet &set, const std::set<int> &borders) {
+/// Right hulls are scanned on the way forwards, left ones on the way back. Of thin slabs hulls are nearly all
+/// of their points, too many to keep: then the slab is made once more.
+Scan scan(const SlabwiseSet &set, const std::set<int> &borders, GlobalIndex most_kept) {
   Scan result;
   result.hulls_s.resize(index(set.slabs()));
   const auto hull = [&](int slab, const std::vector<Point> &points, SplitLine line) {
@@ -92,21 +92,30 @@ Scan scan(const SlabwiseSet &set, const std::set<int> &borders) {
     result.hulls_s[index(slab)] += processor_seconds() - start;
     return path;
   };
+  const auto line = [&](int border) { return SplitLine{result.lines[index(border)], set.axis()}; };
+  std::vector<Path> left_hulls(index(set.slabs()));
+  GlobalIndex kept = 0;
   Path chain;
-  for (int s = 0; s + 1 < set.slabs(); ++s) {
+  for (int s = 0; s < set.slabs(); ++s) {
     const std::vector<Point> points = set.slab(s);
-    const SplitLine line{across(points.back(), set.axis()), set.axis()};
-    result.lines.push_back(line.position);
-    chain = hull_of_both(chain, hull(s, points, line), line);
+    if (s > 0 && kept < most_kept) {
+      left_hulls[index(s)] = hull(s, points, line(s - 1));
+      kept += std::ssize(left_hulls[index(s)]);
+    }
+    if (s + 1 == set.slabs())
+      break;
+    result.lines.push_back(across(points.back(), set.axis()));
+    chain = hull_of_both(chain, hull(s, points, line(s)), line(s));
     if (borders.contains(s))
       result.paths[s] = chain;
   }
   chain.clear();
   for (int s = set.slabs() - 1; s > 0; --s) {
-    const SplitLine line{result.lines[index(s - 1)], set.axis()};
-    chain = hull_of_both(chain, hull(s, set.slab(s), line), line);
+    const Path &kept_hull = left_hulls[index(s)];
+    chain =
+        hull_of_both(chain, kept_hull.empty() ? hull(s, set.slab(s), line(s - 1)) : kept_hull, line(s - 1));
     if (borders.contains(s - 1))
-      result.paths[s - 1] = hull_of_both(result.paths[s - 1], chain, line);
+      result.paths[s - 1] = hull_of_both(result.paths[s - 1], chain, line(s - 1));
   }
   return result;
 }
@@ -205,13 +214,13 @@ std::vector<Point> SlabwiseSet::slab(int number) const {
   return points;
 }
 
-SampledRun run_sampled(const SlabwiseSet &set, int sample) {
+SampledRun run_sampled(const SlabwiseSet &set, int sample, GlobalIndex most_kept) {
   // Averages are over the evenly spaced slabs, extremes also over those that are likely to be extreme.
   const std::set<int> evenly = evenly_spaced(set.slabs(), sample);
   std::set<int> chosen = evenly;
   chosen.insert({0, set.slabs() / 2, set.slabs() - 1});
 
-  const Scan all = scan(set, borders_of(chosen, set.slabs()));
+  const Scan all = scan(set, borders_of(chosen, set.slabs()), most_kept);
   SampledRun run;
   run.hull_max_s = *std::ranges::max_element(all.hulls_s);
   run.hull_mean_s = std::accumulate(all.hulls_s.begin(), all.hulls_s.end(), 0.0) / set.slabs();

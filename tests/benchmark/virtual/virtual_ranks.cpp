@@ -32,6 +32,7 @@ struct Options {
   Network network;
   bool kernel = false;
   bool sampled = false;
+  GlobalIndex kept_hulls = 50'000'000;
   bool progress = false;
 };
 
@@ -201,7 +202,7 @@ nlohmann::ordered_json run_exactly(const Options &options) {
 nlohmann::ordered_json run_a_sample(const Options &options) {
   constexpr int slabs_to_triangulate = 13;
   const SlabwiseSet set(options.set, options.ranks);
-  const SampledRun run = run_sampled(set, slabs_to_triangulate);
+  const SampledRun run = run_sampled(set, slabs_to_triangulate, options.kept_hulls);
   nlohmann::ordered_json json = common(options, set.axis(), options.ranks);
   json["sampled_slabs"] = run.sampled_slabs;
   json["own_sites_max"] = set.points_of_slab();
@@ -233,6 +234,7 @@ Options options_from(int argc, char **argv) {
       ->check(CLI::PositiveNumber);
   app.add_flag("--kernel", options.kernel, "time the sequential kernel on all points as well");
   app.add_flag("--sampled", options.sampled, "of a set too large for memory: a sample of its slabs");
+  app.add_option("--kept-hulls", options.kept_hulls, "sites of hulls to keep in memory, for --sampled");
   app.add_flag("--progress", options.progress);
   try {
     app.parse(argc, argv);
