@@ -18,7 +18,8 @@ namespace {
 
 const std::map<std::string, CrossingRule> crossing_rules{{"split", CrossingRule::split},
                                                          {"error", CrossingRule::refuse}};
-const std::map<std::string, HoleRule> hole_rules{{"seeds", HoleRule::seeds}, {"even-odd", HoleRule::even_odd}};
+const std::map<std::string, HoleRule> hole_rules{{"seeds", HoleRule::seeds},
+                                                 {"even-odd", HoleRule::even_odd}};
 
 [[noreturn]] void refuse_crossing(const DomainFile &file, const SegmentCrossing &crossing) {
   throw Error({ErrorKind::input, file.path, name_of_segment(file, crossing.first),
@@ -68,9 +69,10 @@ void add_domain_options(CLI::App &parser, DomainOptions &options) {
   add_word_option(parser, "--crossings", options.crossings, crossing_rules,
                   "Segments that cross get a common vertex, or are refused")
       ->option_text("split|error [split]");
-  add_word_option(parser, "--holes", options.holes, hole_rules,
-                  "Holes are where seeds are, or where outlines lie in each other; default: seeds in a .poly, "
-                  "even-odd in GeoJSON")
+  add_word_option(
+      parser, "--holes", options.holes, hole_rules,
+      "Holes are where seeds are, or where outlines lie in each other; default: seeds in a .poly, "
+      "even-odd in GeoJSON")
       ->option_text("seeds|even-odd");
 }
 
@@ -112,15 +114,15 @@ Constrained constrain_domain(DomainJob &job, const ConstrainOptions &options) {
   Constrained result = constrain(job.planar.graph, options);
   if (result.mesh.triangles.triangle_count() == 0) {
     const GlobalIndex ends = job.planar.repairs.hanging_ends;
-    throw Error({ErrorKind::input, job.input, "",
-                 !result.nothing_left ? fmt::format("it has no triangles: there are {} vertices, or all on one line",
-                                                    job.planar.graph.vertices.size())
-                 : ends > 0
-                     ? fmt::format("nothing of it is inside: its outline is not closed ({})",
-                                   counted(ends, "segment ends free", "segments end free"))
-                     : "nothing of it is inside: no outline is closed, or holes are everywhere",
-                 !result.nothing_left ? "give an outline"
-                                      : "close the outline, correct holes, or mesh the convex hull (--convex)"});
+    throw Error(
+        {ErrorKind::input, job.input, "",
+         !result.nothing_left ? fmt::format("it has no triangles: there are {} vertices, or all on one line",
+                                            job.planar.graph.vertices.size())
+         : ends > 0           ? fmt::format("nothing of it is inside: its outline is not closed ({})",
+                                            counted(ends, "segment ends free", "segments end free"))
+                              : "nothing of it is inside: no outline is closed, or holes are everywhere",
+         !result.nothing_left ? "give an outline"
+                              : "close the outline, correct holes, or mesh the convex hull (--convex)"});
   }
   if (!result.stray_holes.empty())
     job.notices.push_back(stray_text("hole seed", result.stray_holes));

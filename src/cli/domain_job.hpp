@@ -35,7 +35,7 @@ struct DomainJob {
   Planarised planar;
   DomainVertices vertices; ///< of the graph
   GlobalIndex given_vertices = 0, given_segments = 0;
-  GlobalIndex closed_rings = 0; ///< of GeoJSON
+  GlobalIndex closed_rings = 0;     ///< of GeoJSON
   std::vector<std::string> notices; ///< of what was left out
 };
 

@@ -99,7 +99,8 @@ void check_chains(const DistributedMesh &mesh, DomainVerdict &verdict) {
   }
   if (links.size() != segments.size() && verdict.chains > 0)
     faults.add([&] {
-      return fmt::format("chain: {} segments are in no chain of a segment given", segments.size() - links.size());
+      return fmt::format("chain: {} segments are in no chain of a segment given",
+                         segments.size() - links.size());
     });
   faults.move_into(verdict.faults);
 }
@@ -122,8 +123,8 @@ void check_markers(const DistributedMesh &mesh, DomainVerdict &verdict) {
       const LocalIndex v = slab.triangles.corners[base + corner];
       if (is_end[at(v)] == 0 && domain.vertex_markers[at(v)] != record.segments[at(s)].marker)
         faults.add([&] {
-          return fmt::format("marker: site {} has {} on segment {} with {}", v, domain.vertex_markers[at(v)], s,
-                             record.segments[at(s)].marker);
+          return fmt::format("marker: site {} has {} on segment {} with {}", v, domain.vertex_markers[at(v)],
+                             s, record.segments[at(s)].marker);
         });
     }
   }
@@ -136,7 +137,8 @@ bool stays_near(const std::vector<Point> &points, std::span<const LocalIndex> ch
   const double size = std::max({std::fabs(a.x), std::fabs(a.y), std::fabs(b.x), std::fabs(b.y)});
   for (const LocalIndex v : chain) {
     const Point p = points[at(v)];
-    if (p.x < std::min(a.x, b.x) || p.x > std::max(a.x, b.x) || p.y < std::min(a.y, b.y) || p.y > std::max(a.y, b.y))
+    if (p.x < std::min(a.x, b.x) || p.x > std::max(a.x, b.x) || p.y < std::min(a.y, b.y) ||
+        p.y > std::max(a.y, b.y))
       return false;
     if (std::fabs(dx * (p.y - a.y) - dy * (p.x - a.x)) > 0x1p-47 * size * (std::fabs(dx) + std::fabs(dy)))
       return false;
@@ -161,7 +163,8 @@ void compare(const DistributedMesh &mesh, const DomainFile &file, DomainVerdict 
   }
   std::vector<LocalIndex> vertex_of(file.set.vertices.size(), none);
   for (std::size_t v = 0; v < slab.vertices.input_index.size(); ++v)
-    if (const GlobalIndex number = slab.vertices.input_index[v]; number < record.given_vertices && number >= 0)
+    if (const GlobalIndex number = slab.vertices.input_index[v];
+        number < record.given_vertices && number >= 0)
       vertex_of[at(number)] = static_cast<LocalIndex>(v);
   for (const Duplicate &duplicate : mesh.duplicates)
     if (duplicate.input_index >= 0 && duplicate.input_index < record.given_vertices && duplicate.site >= 0 &&
@@ -170,7 +173,9 @@ void compare(const DistributedMesh &mesh, const DomainFile &file, DomainVerdict 
   for (std::size_t i = 0; i < vertex_of.size(); ++i)
     if (vertex_of[i] == none || !(slab.vertices.points[at(vertex_of[i])] == file.set.vertices[i]))
       faults.add([&] {
-        return fmt::format("domain: vertex {} ({}, {}) is not where the mesh has it", file.first_number + i, file.set.vertices[i].x, file.set.vertices[i].y);
+        return fmt::format("domain: vertex {} ({}, {}) is not where the mesh has it",
+                           static_cast<std::size_t>(file.first_number) + i, file.set.vertices[i].x,
+                           file.set.vertices[i].y);
       });
   for (std::size_t s = 0; s < file.set.segments.size(); ++s) {
     const Segment &segment = file.set.segments[s];
@@ -188,8 +193,7 @@ void compare(const DistributedMesh &mesh, const DomainFile &file, DomainVerdict 
   const auto same_seed = [](const RegionSeed &a, const RegionSeed &b) {
     return a.place == b.place && a.attribute == b.attribute && a.max_area == b.max_area;
   };
-  if (record.holes != file.set.holes ||
-      !std::ranges::equal(record.regions, file.set.regions, same_seed))
+  if (record.holes != file.set.holes || !std::ranges::equal(record.regions, file.set.regions, same_seed))
     faults.add([] { return "domain: the mesh has other holes or regions than the file"; });
   verdict.compared = std::ssize(file.set.vertices) + std::ssize(file.set.segments);
   faults.move_into(verdict.faults);

@@ -14,10 +14,10 @@ namespace dovetail::cli {
 
 /// What was found wrong with a mesh of a domain, and what was looked at.
 struct DomainVerdict {
-  DomainReport found;            ///< of the mesh by itself
-  GlobalIndex left_triangles = 0; ///< below the bound, where the mesh says that refinement had to stop
-  GlobalIndex chains = 0;        ///< of segments given, followed
-  GlobalIndex compared = 0;      ///< vertices and segments compared with the domain file
+  DomainReport found;              ///< of the mesh by itself
+  GlobalIndex left_triangles = 0;  ///< below the bound, where the mesh says that refinement had to stop
+  GlobalIndex chains = 0;          ///< of segments given, followed
+  GlobalIndex compared = 0;        ///< vertices and segments compared with the domain file
   std::vector<std::string> faults; ///< all that is wrong, a few of each kind in words
   bool only_the_domain_differs = false;
   bool valid() const { return faults.empty(); }

@@ -22,10 +22,11 @@ std::string box_text(Point lowest, Point highest) {
 }
 
 void print_domain(const DomainRecord &domain) {
-  print_row("domain", fmt::format("{} given, {}, {}, {}", counted(domain.given_vertices, "vertex", "vertices"),
-                                  counted(std::ssize(domain.segments), "segment", "segments"),
-                                  counted(std::ssize(domain.holes), "hole seed", "hole seeds"),
-                                  counted(std::ssize(domain.regions), "region", "regions")));
+  print_row("domain",
+            fmt::format("{} given, {}, {}, {}", counted(domain.given_vertices, "vertex", "vertices"),
+                        counted(std::ssize(domain.segments), "segment", "segments"),
+                        counted(std::ssize(domain.holes), "hole seed", "hole seeds"),
+                        counted(std::ssize(domain.regions), "region", "regions")));
   print_row("refined to", domain.min_angle > 0 ? fmt::format("{:g} degrees", domain.min_angle) : "no angle");
 }
 

@@ -125,8 +125,8 @@ Start start(const RefineCommand &command, const Session &session, PhaseLog &phas
   meter.begin("constrain");
   phases.measure("constrain", [&] {
     const bool whole_hull = is_domain ? command.convex : command.boundary == Boundary::hull;
-    Constrained constrained = constrain_domain(
-        result.job, {.outline = whole_hull ? Outline::convex_hull : Outline::segments});
+    Constrained constrained =
+        constrain_domain(result.job, {.outline = whole_hull ? Outline::convex_hull : Outline::segments});
     result.record = record_of(result.job, constrained);
     result.mesh = std::move(constrained.mesh);
   });
@@ -171,8 +171,8 @@ Outcome refine_start(const RefineCommand &command, Start start, const Progress &
     if (left.reason != LeftReason::small_input_angle && left.angle < options.min_angle)
       start.record.left_triangles.push_back(left.triangle);
   number_new_vertices(outcome.refined.mesh.vertices.size(), start.job.vertices);
-  outcome.mesh = slab_of_domain(std::move(outcome.refined.mesh), std::move(start.record),
-                                std::move(start.job.vertices));
+  outcome.mesh =
+      slab_of_domain(std::move(outcome.refined.mesh), std::move(start.record), std::move(start.job.vertices));
   return outcome;
 }
 
@@ -205,9 +205,9 @@ void print_result(const RefineCommand &command, const DomainJob &job, const Outc
     print_row("repairs", repairs_text(job));
   for (const std::string &notice : job.notices)
     print_row("notice", notice);
-  print_row("Steiner points", fmt::format("{} on segments, {} inside",
-                                          with_separators(outcome.refined.points_on_segments),
-                                          with_separators(outcome.refined.points_inside)));
+  print_row("Steiner points",
+            fmt::format("{} on segments, {} inside", with_separators(outcome.refined.points_on_segments),
+                        with_separators(outcome.refined.points_inside)));
   print_row("vertices", with_separators(outcome.mesh.site_count()));
   print_row("triangles", with_separators(outcome.mesh.triangle_count()));
   print_row("smallest angle", fmt::format("{:.4f} degrees, bound {:g}", figures.smallest_angles.lowest,
@@ -301,8 +301,9 @@ void add_refine_options(CLI::App &parser, RefineCommand &command) {
   parser.add_option("--max-area", options.max_area, "No triangle larger than this")
       ->check(positive)
       ->option_text("AREA");
-  parser.add_option("--growth", options.growth,
-                    "Triangles grow with the distance from the boundary by this much; smaller is finer")
+  parser
+      .add_option("--growth", options.growth,
+                  "Triangles grow with the distance from the boundary by this much; smaller is finer")
       ->check(positive)
       ->option_text("RATE");
   parser.add_option("--min-edge", options.min_edge, "No new point nearer than this to another")
@@ -313,8 +314,8 @@ void add_refine_options(CLI::App &parser, RefineCommand &command) {
           "--max-points",
           [&options](const std::string &text) {
             try {
-              options.max_points = static_cast<LocalIndex>(std::min<GlobalIndex>(
-                  count_from_text(text), std::numeric_limits<LocalIndex>::max()));
+              options.max_points = static_cast<LocalIndex>(
+                  std::min<GlobalIndex>(count_from_text(text), std::numeric_limits<LocalIndex>::max()));
             } catch (const std::invalid_argument &reason) {
               throw CLI::ValidationError("--max-points", reason.what());
             }
@@ -324,7 +325,8 @@ void add_refine_options(CLI::App &parser, RefineCommand &command) {
   add_word_option(parser, "--boundary", command.boundary, boundaries,
                   "What bounds a set of points: its convex hull or its box")
       ->option_text("hull|box [hull]");
-  parser.add_flag("--convex", command.convex, "Keep the whole convex hull of a domain but for holes with seeds");
+  parser.add_flag("--convex", command.convex,
+                  "Keep the whole convex hull of a domain but for holes with seeds");
 }
 
 constexpr const char *details =

@@ -28,8 +28,9 @@ public:
     try {
       json = Json::parse(text, limit_depth);
     } catch (const Json::parse_error &error) {
-      file_.refuse(static_cast<std::int64_t>(error.byte > 0 ? error.byte - 1 : 0), "the file is not JSON here",
-                   "correct it, or write it again; a comma or bracket may be missing, or the end of the file");
+      file_.refuse(
+          static_cast<std::int64_t>(error.byte > 0 ? error.byte - 1 : 0), "the file is not JSON here",
+          "correct it, or write it again; a comma or bracket may be missing, or the end of the file");
     } catch (const std::invalid_argument &) {
       refuse("", "lists are in each other too deep for GeoJSON", "check what the file is");
     }
@@ -46,7 +47,8 @@ private:
     return true;
   }
 
-  [[noreturn]] void refuse(const std::string &place, const std::string &what, const std::string &remedy) const {
+  [[noreturn]] void refuse(const std::string &place, const std::string &what,
+                           const std::string &remedy) const {
     throw Error({ErrorKind::input, file_.path(), place.empty() ? "the whole" : place, what, remedy});
   }
 
@@ -66,7 +68,9 @@ private:
   static std::string inside(const std::string &place, const char *name) {
     return place.empty() ? name : place + '.' + name;
   }
-  static std::string element(const std::string &place, std::size_t i) { return fmt::format("{}[{}]", place, i); }
+  static std::string element(const std::string &place, std::size_t i) {
+    return fmt::format("{}[{}]", place, i);
+  }
 
   void read_object(const Json &object, const std::string &place, std::int32_t marker, int depth) {
     if (depth > deepest)
@@ -91,7 +95,8 @@ private:
   }
 
   void read_feature(const Json &feature, const std::string &place, std::int32_t marker, int depth) {
-    if (const auto properties = feature.find("properties"); properties != feature.end() && properties->is_object())
+    if (const auto properties = feature.find("properties");
+        properties != feature.end() && properties->is_object())
       if (const auto own = properties->find("marker"); own != properties->end() && !own->is_null())
         marker = marker_of(*own, inside(place, "properties.marker"));
     const Json &geometry = member(feature, "geometry", place);
@@ -102,7 +107,8 @@ private:
   std::int32_t marker_of(const Json &value, const std::string &place) const {
     const double number = value.is_number() ? value.get<double>() : std::nan("");
     if (!(std::fabs(number) <= std::numeric_limits<std::int32_t>::max()) || number != std::floor(number))
-      refuse(place, "is not a whole number of 32 bits", "name markers by whole numbers, or rename the property");
+      refuse(place, "is not a whole number of 32 bits",
+             "name markers by whole numbers, or rename the property");
     return static_cast<std::int32_t>(number);
   }
 

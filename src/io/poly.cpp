@@ -68,7 +68,8 @@ public:
   }
   std::int64_t integer(std::size_t word, std::int64_t low, std::int64_t high, const char *what) const {
     const double value = number(word);
-    if (!(value >= static_cast<double>(low) && value <= static_cast<double>(high)) || value != std::floor(value))
+    if (!(value >= static_cast<double>(low) && value <= static_cast<double>(high)) ||
+        value != std::floor(value))
       refuse_word(word, fmt::format("'{}' is not {}", excerpt(words_[word]), what),
                   fmt::format("write a whole number from {} to {}", low, high));
     return static_cast<std::int64_t>(value);
@@ -112,9 +113,9 @@ constexpr std::int64_t most = std::numeric_limits<LocalIndex>::max();
 /// Numbers of the header of a part: the first one counts its lines.
 std::vector<std::int64_t> header_of(const WordLines &lines, std::size_t longest, const char *layout) {
   if (lines.count() > longest)
-    lines.refuse_line(fmt::format("the line has {} columns, and this part begins with up to {}", lines.count(),
-                                  longest),
-                      fmt::format("begin it with: {}", layout));
+    lines.refuse_line(
+        fmt::format("the line has {} columns, and this part begins with up to {}", lines.count(), longest),
+        fmt::format("begin it with: {}", layout));
   std::vector<std::int64_t> numbers;
   for (std::size_t i = 0; i < lines.count(); ++i)
     numbers.push_back(lines.integer(i, 0, most, "a count"));
@@ -129,12 +130,11 @@ void next_line(WordLines &lines, std::int64_t i, std::int64_t count, const char 
     lines.refuse_end(fmt::format("after {} of {} {}", i, count, what),
                      "copy or make the file again, or correct the number of lines");
   if (lines.count() < least || lines.count() > longest)
-    lines.refuse_line(
-        least == longest
-            ? fmt::format("the line has {} columns where {} of {} must be", lines.count(), least, what)
-            : fmt::format("the line has {} columns where {} to {} of {} must be", lines.count(), least, longest,
-                          what),
-        "see whether the numbers of lines, attributes and markers in the headers are right");
+    lines.refuse_line(least == longest ? fmt::format("the line has {} columns where {} of {} must be",
+                                                     lines.count(), least, what)
+                                       : fmt::format("the line has {} columns where {} to {} of {} must be",
+                                                     lines.count(), least, longest, what),
+                      "see whether the numbers of lines, attributes and markers in the headers are right");
 }
 
 constexpr const char *vertex_header = "vertices, 2, attributes of each, 0 or 1 boundary markers";
@@ -157,8 +157,9 @@ void read_vertices(WordLines &lines, const std::vector<std::int64_t> &header, Do
     if (i == 0)
       domain.first_number = static_cast<int>(lines.integer(0, 0, 1, "the first vertex, which is 0 or 1"));
     else if (lines.number(0) != static_cast<double>(domain.first_number + i))
-      lines.refuse_word(0, fmt::format("vertex {} stands where {} must", excerpt(fmt::to_string(lines.number(0))),
-                                       domain.first_number + i),
+      lines.refuse_word(0,
+                        fmt::format("vertex {} stands where {} must",
+                                    excerpt(fmt::to_string(lines.number(0))), domain.first_number + i),
                         "number the vertices upwards from 0 or 1, without gaps");
     domain.set.vertices.push_back({lines.coordinate(1), lines.coordinate(2)});
     for (std::size_t a = 0; a < domain.attributes.size(); ++a)
@@ -170,7 +171,8 @@ void read_vertices(WordLines &lines, const std::vector<std::int64_t> &header, Do
 void read_vertices_of(const InputFile &nodes, DomainFile &domain) {
   WordLines lines(nodes);
   if (!lines.next())
-    lines.refuse_end("before there is anything but comments", fmt::format("begin it with: {}", vertex_header));
+    lines.refuse_end("before there is anything but comments",
+                     fmt::format("begin it with: {}", vertex_header));
   read_vertices(lines, header_of(lines, 4, vertex_header), domain);
   if (lines.next())
     lines.refuse_line("the line comes after the last vertex", "correct the number of vertices");
@@ -192,9 +194,10 @@ void read_segments(WordLines &lines, DomainFile &domain) {
       const double number = lines.number(word) - domain.first_number;
       if (!(number >= 0 && number < static_cast<double>(vertices)) || number != std::floor(number))
         lines.refuse_word(word, fmt::format("there is no vertex {}", lines.number(word)),
-                          vertices == 0 ? "give the vertices first, in this file or in the .node file beside it"
-                                        : fmt::format("vertices are numbered from {} to {}", domain.first_number,
-                                                      domain.first_number + vertices - 1));
+                          vertices == 0
+                              ? "give the vertices first, in this file or in the .node file beside it"
+                              : fmt::format("vertices are numbered from {} to {}", domain.first_number,
+                                            domain.first_number + vertices - 1));
       return static_cast<LocalIndex>(number);
     };
     lines.number(0);
@@ -234,7 +237,8 @@ DomainFile read_poly(const InputFile &file, const InputFile *nodes) {
   domain.path = file.path();
   WordLines lines(file);
   if (!lines.next())
-    lines.refuse_end("before there is anything but comments", fmt::format("begin it with: {}", vertex_header));
+    lines.refuse_end("before there is anything but comments",
+                     fmt::format("begin it with: {}", vertex_header));
   const auto header = header_of(lines, 4, vertex_header);
   if (header[0] > 0) {
     read_vertices(lines, header, domain);

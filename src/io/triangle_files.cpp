@@ -265,10 +265,9 @@ std::string poly_text(const DistributedMesh &mesh, const NodeNumbers &numbers) {
     if (segment < 0 || at(segment) >= domain.segments.size() || (beyond >= 0 && at(beyond) < side / 3))
       continue;
     const std::size_t base = side - side % 3;
-    lines += fmt::format("{} {} {} {}\n", count++,
-                         numbers.of_vertex(0, triangles.corners[base + (side + 1) % 3]),
-                         numbers.of_vertex(0, triangles.corners[base + (side + 2) % 3]),
-                         domain.segments[at(segment)].marker);
+    lines += fmt::format(
+        "{} {} {} {}\n", count++, numbers.of_vertex(0, triangles.corners[base + (side + 1) % 3]),
+        numbers.of_vertex(0, triangles.corners[base + (side + 2) % 3]), domain.segments[at(segment)].marker);
   }
   std::string text = fmt::format("0 2 0 1\n{} 1\n{}{}\n", count, lines, domain.holes.size());
   for (std::size_t i = 0; i < domain.holes.size(); ++i)
@@ -276,7 +275,8 @@ std::string poly_text(const DistributedMesh &mesh, const NodeNumbers &numbers) {
   text += fmt::format("{}\n", domain.regions.size());
   for (std::size_t i = 0; i < domain.regions.size(); ++i) {
     const RegionSeed &region = domain.regions[i];
-    text += fmt::format("{} {} {} {} {}\n", i, region.place.x, region.place.y, region.attribute, region.max_area);
+    text +=
+        fmt::format("{} {} {} {} {}\n", i, region.place.x, region.place.y, region.attribute, region.max_area);
   }
   return text;
 }

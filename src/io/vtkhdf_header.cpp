@@ -260,7 +260,8 @@ std::vector<LocalIndex> Reader::indices(const std::string &name, GlobalIndex low
 
 DomainRecord Reader::read_domain(const Header &header) const {
   if (header.extents.slabs() != 1)
-    refuse(domain_group, fmt::format("is there in a mesh of {} slabs, and domains have one", header.extents.slabs()));
+    refuse(domain_group,
+           fmt::format("is there in a mesh of {} slabs, and domains have one", header.extents.slabs()));
   const GlobalIndex sites = header.extents.sites.back();
   constexpr GlobalIndex any = std::numeric_limits<LocalIndex>::max();
   DomainRecord domain;
@@ -276,9 +277,11 @@ DomainRecord Reader::read_domain(const Header &header) const {
     domain.segments.push_back({ends[2 * s], ends[2 * s + 1], markers[s]});
   const auto count = static_cast<GlobalIndex>(markers.size());
   if (domain.hull_segments < 0 || domain.hull_segments > count)
-    refuse(domain_group, fmt::format("says that {} of {} segments are hull edges", domain.hull_segments, count));
+    refuse(domain_group,
+           fmt::format("says that {} of {} segments are hull edges", domain.hull_segments, count));
   domain.is_line = contents<std::uint8_t>(is_line);
-  if (!domain.is_line.empty() && static_cast<GlobalIndex>(domain.is_line.size()) != count - domain.hull_segments)
+  if (!domain.is_line.empty() &&
+      static_cast<GlobalIndex>(domain.is_line.size()) != count - domain.hull_segments)
     refuse(is_line, fmt::format("has {} rows for {} segments", domain.is_line.size(), count));
   const auto hole_places = contents<double>(holes, 2);
   for (std::size_t i = 0; i < hole_places.size(); i += 2)
@@ -301,7 +304,8 @@ void Reader::read_sides(const Header &header, DomainRecord &domain) const {
   domain.segment_of_side = contents<std::int32_t>(segment_of_side, 3);
   domain.region = contents<std::int32_t>(region_of_cell);
   if (domain.segment_of_side.size() != 3 * triangles)
-    refuse(segment_of_side, fmt::format("has {} rows for {} triangles", domain.segment_of_side.size() / 3, triangles));
+    refuse(segment_of_side,
+           fmt::format("has {} rows for {} triangles", domain.segment_of_side.size() / 3, triangles));
   if (domain.region.size() != triangles)
     refuse(region_of_cell, fmt::format("has {} rows for {} triangles", domain.region.size(), triangles));
 }

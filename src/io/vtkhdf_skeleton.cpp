@@ -159,7 +159,8 @@ void make_vtk_part(Maker &make, const Extents &extents, const std::vector<std::s
 void make_own_part(Maker &make, const DistributedMesh &mesh, const Extents &extents,
                    const std::vector<std::string> &names) {
   make.group(own_group);
-  make.number<std::int64_t>(own_group, "format_version", {mesh.domain ? mesh_format_version : format_of_points});
+  make.number<std::int64_t>(own_group, "format_version",
+                            {mesh.domain ? mesh_format_version : format_of_points});
   make.text(own_group, "program_version", DOVETAIL_VERSION);
   make.text(own_group, "axis", mesh.axis == Axis::x ? "x" : "y");
   make.number<std::uint64_t>(own_group, "checksum", {mesh.checksum});

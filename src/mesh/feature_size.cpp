@@ -71,7 +71,8 @@ struct FeatureSize::Tree {
     const std::size_t half = std::bit_ceil(last - first) / 2;
     const auto begin = features.begin() + static_cast<std::ptrdiff_t>(first);
     std::nth_element(begin, begin + static_cast<std::ptrdiff_t>(half),
-                     features.begin() + static_cast<std::ptrdiff_t>(last), [&](const Feature &a, const Feature &b) {
+                     features.begin() + static_cast<std::ptrdiff_t>(last),
+                     [&](const Feature &a, const Feature &b) {
                        return by_x ? middle(a).x < middle(b).x : middle(a).y < middle(b).y;
                      });
     order(first, first + half);
@@ -150,17 +151,15 @@ double FeatureSize::at(Point p) const {
 
 namespace {
 
-constexpr int deepest = 12;       // divisions in four
-constexpr double change = 0.005;  // of a triangle's part
+constexpr int deepest = 12;      // divisions in four
+constexpr double change = 0.005; // of a triangle's part
 
 /// 1 / lfs^2 at the middles of three sides, times a third of the area: exact for quadratic functions.
 class Quadrature {
 public:
   explicit Quadrature(const FeatureSize &size) : size_(size) {}
 
-  double integrate(Point a, Point b, Point c) const {
-    return refined(a, b, c, rule(a, b, c), 0);
-  }
+  double integrate(Point a, Point b, Point c) const { return refined(a, b, c, rule(a, b, c), 0); }
 
 private:
   double density(Point p) const {

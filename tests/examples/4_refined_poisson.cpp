@@ -95,11 +95,10 @@ Eigen::VectorXd solve(const DomainMesh &mesh) {
       if (on_wall[static_cast<std::size_t>(e.vertex[i])])
         continue;
       for (const std::size_t k : {(i + 1) % 3, (i + 2) % 3}) // the two middles of sides at this corner
-        right[e.vertex[i]] += e.area / 6 *
-                              load({(e.corner[i].x + e.corner[k].x) / 2, (e.corner[i].y + e.corner[k].y) / 2});
+        right[e.vertex[i]] +=
+            e.area / 6 * load({(e.corner[i].x + e.corner[k].x) / 2, (e.corner[i].y + e.corner[k].y) / 2});
       for (std::size_t j = 0; j < 3; ++j) {
-        const double entry =
-            e.area * (e.gradient[i].x * e.gradient[j].x + e.gradient[i].y * e.gradient[j].y);
+        const double entry = e.area * (e.gradient[i].x * e.gradient[j].x + e.gradient[i].y * e.gradient[j].y);
         if (on_wall[static_cast<std::size_t>(e.vertex[j])])
           right[e.vertex[i]] -= entry * values[e.vertex[j]]; // known, so it goes to the right
         else

@@ -38,7 +38,7 @@ double by_all_pairs(const PlanarGraph &graph, Point p) {
 /// A square with a slit, a smaller square, a star of hanging lines and vertices of their own.
 PlanarGraph domain() {
   PlanarGraph graph;
-  graph.vertices = {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {1, 1},     {1.5, 1}, {1.5, 1.5}, {1, 1.5},
+  graph.vertices = {{0, 0}, {4, 0},   {4, 4},   {0, 4},     {1, 1},    {1.5, 1},  {1.5, 1.5}, {1, 1.5},
                     {3, 3}, {3.5, 3}, {3, 3.6}, {2.5, 2.9}, {0.25, 3}, {0.35, 3}, {3.8, 0.2}};
   graph.segments = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6}, {6, 7}, {7, 4}, {8, 9}, {8, 10}, {8, 11}};
   graph.holes = {{1.2, 1.2}};

@@ -1,11 +1,12 @@
 /// Domain files: outlines, lines, holes and regions, as they were drawn. Local: one process reads all of it.
 ///
 ///   .poly     Triangle's planar straight-line graphs (Shewchuk, Triangle, 1996). Four parts, each of a line
-///             with its number of lines and these: vertices (number, x, y, attributes, marker; with the header
-///             of a .node file, or 0 vertices, which then are in NAME.node), segments (number, two vertices,
-///             marker), holes (number, x, y), and regions, which may be absent (number, x, y, attribute,
-///             greatest area of a triangle; without one, or if it is not positive, there is none). Vertices
-///             count up from 0 or from 1. Comments, blanks and numbers are those of text (io/text.hpp).
+///             with its number of lines and these: vertices (number, x, y, attributes, marker; with the
+///             header of a .node file, or 0 vertices, which then are in NAME.node), segments (number, two
+///             vertices, marker), holes (number, x, y), and regions, which may be absent (number, x, y,
+///             attribute, greatest area of a triangle; without one, or if it is not positive, there is none).
+///             Vertices count up from 0 or from 1. Comments, blanks and numbers are those of text
+///             (io/text.hpp).
 ///   .geojson .json  GeoJSON (RFC 7946): polygons are outlines with holes by even-odd nesting; lines are
 ///             segments that may hang or cross; points are vertices. Features with an integer property
 ///             "marker" give it to their segments and vertices; else segments have 1. Coordinates are taken
@@ -36,12 +37,12 @@ struct DomainPart {
 struct DomainFile {
   std::string path;
   SegmentSet set;
-  std::vector<Attribute> attributes;         ///< of the vertices
-  int first_number = 0;                      ///< of vertices and segments, in the file's own words
-  std::vector<std::int64_t> segment_lines;   ///< .poly: of the file, from 1
-  std::vector<DomainPart> parts;             ///< GeoJSON
-  GlobalIndex closed_rings = 0;              ///< that did not end where they began
-  GlobalIndex heights = 0;                   ///< third coordinates left out
+  std::vector<Attribute> attributes;       ///< of the vertices
+  int first_number = 0;                    ///< of vertices and segments, in the file's own words
+  std::vector<std::int64_t> segment_lines; ///< .poly: of the file, from 1
+  std::vector<DomainPart> parts;           ///< GeoJSON
+  GlobalIndex closed_rings = 0;            ///< that did not end where they began
+  GlobalIndex heights = 0;                 ///< third coordinates left out
 };
 
 /// Whether the extension of the name is one of the above.

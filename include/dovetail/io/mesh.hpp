@@ -16,9 +16,9 @@
 ///   being its left line's; duplicates i64 (D, 2), input index and site; duplicate_z f64 (D), only if there
 ///   is a z; attributes, the names in order; coordinate_system/0, 1, ...: one dataset u8 a record.
 /// A mesh of a domain (format 2; others are format 1, which older programs read) has VTKHDF/CellData/region
-///   i32 (T) and the group domain: attributes even_odd, hull_segments, given_vertices, min_angle; segments i64
-///   (S, 2), site numbers; segment_markers i32 (S); is_line u8 (none or S); holes f64 (H, 2); regions f64 (R,
-///   4): x, y, attribute, greatest area; segment_of_side i32 (T, 3); chain_offsets, chain_vertices i64;
+///   i32 (T) and the group domain: attributes even_odd, hull_segments, given_vertices, min_angle; segments
+///   i64 (S, 2), site numbers; segment_markers i32 (S); is_line u8 (none or S); holes f64 (H, 2); regions f64
+///   (R, 4): x, y, attribute, greatest area; segment_of_side i32 (T, 3); chain_offsets, chain_vertices i64;
 ///   left_triangles i64. mesh/domain_record.hpp says what they are.
 #pragma once
 

@@ -12,8 +12,8 @@ namespace dovetail {
 /// "marker". Their input indices: the numbers of those given; behind them crossings of segments; behind those
 /// Steiner points.
 struct DomainRecord {
-  std::vector<Segment> segments; ///< the graph's, and behind them those made of hull edges
-  GlobalIndex hull_segments = 0; ///< how many were made of hull edges
+  std::vector<Segment> segments;     ///< the graph's, and behind them those made of hull edges
+  GlobalIndex hull_segments = 0;     ///< how many were made of hull edges
   std::vector<std::uint8_t> is_line; ///< as in PlanarGraph: one for each segment of the graph, or none at all
   std::vector<Point> holes;
   std::vector<RegionSeed> regions;

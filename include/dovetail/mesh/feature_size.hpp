@@ -1,9 +1,11 @@
-/// How fine a domain is by itself: the local feature size, and what it says of the number of triangles. Local.
+/// How fine a domain is by itself: the local feature size, and what it says of the number of triangles.
+/// Local.
 ///
-/// lfs(x) is the radius of the smallest disk at x that meets two vertices or segments of the graph that do not
-/// touch each other (Ruppert, 1995). No mesh without small angles has fewer vertices than a constant times
-/// the integral of 1 / lfs^2 over the domain, and Delaunay refinement makes no more than another constant
-/// times it; so vertices over integral is a number that meshes of different domains can be compared by.
+/// lfs(x) is the radius of the smallest disk at x that meets two vertices or segments of the graph that do
+/// not touch each other (Ruppert, 1995). No mesh without small angles has fewer vertices than a constant
+/// times the integral of 1 / lfs^2 over the domain, and Delaunay refinement makes no more than another
+/// constant times it; so vertices over integral is a number that meshes of different domains can be compared
+/// by.
 #pragma once
 
 #include "dovetail/base/progress.hpp"
