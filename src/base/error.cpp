@@ -3,6 +3,7 @@
 #include "dovetail/base/excerpt.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <utility>
 
 namespace dovetail {
@@ -34,6 +35,35 @@ std::string excerpt(std::string_view text) {
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) // within a character of UTF-8
     --end;
   return printable(std::string(text.substr(0, end))) + "...";
+}
+
+bool is_printable(std::string_view text) {
+  const auto byte = [text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  for (std::size_t i = 0; i < text.size();) {
+    const unsigned first = byte(i);
+    if (first < 0x80) {
+      if (first < ' ' || first == 0x7f)
+        return false;
+      ++i;
+      continue;
+    }
+    // The lead byte says how many follow with six bits each; codes must not be longer than they need.
+    const std::size_t following = first < 0xe0 ? 1 : first < 0xf0 ? 2 : 3;
+    if (first < 0xc2 || first > 0xf4 || text.size() - i <= following)
+      return false;
+    std::uint32_t code = first & (0x3fU >> following);
+    for (std::size_t k = 1; k <= following; ++k) {
+      if ((byte(i + k) & 0xc0U) != 0x80)
+        return false;
+      code = code << 6 | (byte(i + k) & 0x3fU);
+    }
+    const bool surrogate = code >= 0xd800 && code < 0xe000, control = code < 0xa0;
+    if (surrogate || control || code > 0x10ffff || (following == 2 && code < 0x800) ||
+        (following == 3 && code < 0x10000))
+      return false;
+    i += following + 1;
+  }
+  return true;
 }
 
 Error::Error(Problem problem) : std::runtime_error(sentence(problem)), problem_(std::move(problem)) {}

@@ -22,8 +22,8 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 Report phase_as_json(const std::string &name, const PhaseSummary *phase) {
   Report json;
   json["name"] = name;
-  for (const char *key :
-       {"wall_max_s", "wall_mean_s", "cpu_max_s", "cpu_sum_s", "bytes_sent", "messages_sent"})
+  for (const char *key : {"wall_max_s", "wall_mean_s", "cpu_max_s", "cpu_sum_s", "bytes_sent",
+                          "messages_sent", "peak_rss_max_bytes"})
     json[key] = nullptr;
   if (phase == nullptr)
     return json;
@@ -33,7 +33,18 @@ Report phase_as_json(const std::string &name, const PhaseSummary *phase) {
   json["cpu_sum_s"] = phase->cpu_sum_s;
   json["bytes_sent"] = phase->bytes_sent;
   json["messages_sent"] = phase->messages_sent;
+  json["peak_rss_max_bytes"] = phase->peak_rss_max_bytes;
   return json;
+}
+
+/// Collective. On how many machines the ranks run, where a machine is what shares memory.
+int hosts_of(const Communicator &comm) {
+  MPI_Comm host = MPI_COMM_NULL;
+  MPI_Comm_split_type(comm.raw(), MPI_COMM_TYPE_SHARED, comm.rank(), MPI_INFO_NULL, &host);
+  int rank_on_host = 0;
+  MPI_Comm_rank(host, &rank_on_host);
+  MPI_Comm_free(&host);
+  return all_reduce_sum(comm, rank_on_host == 0 ? 1 : 0);
 }
 
 } // namespace
@@ -51,6 +62,7 @@ Report new_report(const Session &session, const std::string &subcommand,
   report["inputs"] = inputs;
   report["output"] = nullptr;
   report["ranks"] = session.comm.size();
+  report["hosts"] = nullptr;
   for (const char *key : {"slabs",
                           "axis",
                           "kernel",
@@ -114,6 +126,7 @@ void write_report(const Session &session, Report report, const std::string &path
   if (path.empty())
     return;
   report["wall_s"] = seconds_since(session.start);
+  report["hosts"] = hosts_of(session.comm);
   const std::int64_t peak = all_reduce_max(session.comm, peak_rss_bytes());
   if (report["peak_rss_max_bytes"].is_null())
     report["peak_rss_max_bytes"] = peak;

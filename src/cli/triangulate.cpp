@@ -2,6 +2,7 @@
 #include "command.hpp"
 #include "options.hpp"
 #include "output.hpp"
+#include "plan.hpp"
 #include "report.hpp"
 #include "split_trace.hpp"
 #include "text.hpp"
@@ -10,6 +11,7 @@
 #include "dovetail/base/error.hpp"
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/comm/phases.hpp"
+#include "dovetail/distributed/sort_on_disk.hpp"
 #include "dovetail/distributed/triangulate.hpp"
 #include "dovetail/distributed/validate.hpp"
 #include "dovetail/io/mesh.hpp"
@@ -33,6 +35,8 @@ struct TriangulateCommand {
   SlabOptions slabs;
   Kernel kernel = Kernel::merge;
   bool trace = false; ///< of the kernel split-path
+  Room room;
+  bool dry_run = false;
   Telling telling;
   bool writes() const { return output != "none"; }
 };
@@ -42,8 +46,14 @@ const std::vector<std::string> phase_names{"read", "sort", "split", "triangulate
 const std::vector<Stage> usual_shares{{"read", 0.5},       {"sort", 2.5},   {"split", 0.3},
                                       {"triangulate", 15}, {"stitch", 0.1}, {"write", 3}};
 
+/// Whether the mesh need not be in memory as a whole.
+bool streams(const TriangulateCommand &command) {
+  return command.writes() && mesh_sink(command.output) != nullptr;
+}
+
 /// What is known of a finished run, the same on all ranks.
 struct Outcome {
+  Plan plan;
   PointInput input; ///< its points are gone
   DistributedMesh mesh;
   std::vector<PhaseSummary> phases;
@@ -53,40 +63,99 @@ struct Outcome {
   std::optional<SplitTraceSummary> split_trace;
 };
 
-Outcome run_phases(const TriangulateCommand &command, const Communicator &comm) {
-  std::vector<Stage> stages = usual_shares;
-  if (!command.writes())
-    stages.back() = {"check", 40};
-  ProgressMeter meter(progress_style(comm.is_root(), command.telling), stages);
-  PhaseLog phases(comm);
-  Outcome outcome;
+/// Where a mesh goes that is only counted.
+class NoSink : public SlabSink {
+public:
+  void begin(const Communicator &, const MeshOutline &) override {}
+  void take(int, const SlabMesh &, std::span<const Duplicate>) override {}
+  void complete(int, const SlabMesh &) override {}
+  void finish(std::uint64_t, GlobalIndex) override {}
+};
 
-  meter.begin("read");
-  PointReading reading = command.reading;
-  reading.progress = progress_into(meter);
-  outcome.input = phases.measure("read", [&] { return read_points(comm, command.inputs, reading); });
-  SplitTrace trace;
-  TriangulateOptions options{command.slabs, &phases, {command.kernel, command.trace ? &trace : nullptr}};
-  options.slabs.progress = progress_into(meter);
-  options.slabs.subject = joined(command.inputs, " ");
+/// Into a file that takes slabs one by one, or only counted.
+void stream_phases(const TriangulateCommand &command, const Communicator &comm, PointFiles &files,
+                   const Plan &plan, const TriangulateOptions &options, Outcome &outcome) {
+  NoSink nowhere;
+  const auto sink = command.writes() ? mesh_sink(command.output) : nullptr;
+  SlabSink &into = sink ? *sink : nowhere;
+  if (plan.forecast.on_disk) {
+    const DiskSort disk{plan.scratch, plan.usable_bytes, most_slab_sites(plan.usable_bytes)};
+    Slabs slabs =
+        options.phases->measure("sort", [&] { return sort_on_disk(comm, files, options.slabs, disk); });
+    outcome.input = std::move(files.input());
+    outcome.mesh = triangulate_into(comm, std::move(slabs), into, outcome.input.coordinate_system, options);
+  } else {
+    outcome.input =
+        options.phases->measure("read", [&] { return read_points(comm, command.inputs, command.reading); });
+    outcome.mesh = triangulate_into(comm, std::move(outcome.input.points), into,
+                                    outcome.input.coordinate_system, options);
+  }
+  if (command.writes())
+    outcome.files = mesh_files(command.output);
+}
+
+/// The whole mesh in memory, then written or checked.
+void whole_phases(const TriangulateCommand &command, const Communicator &comm, ProgressMeter &meter,
+                  const TriangulateOptions &options, Outcome &outcome) {
+  outcome.input =
+      options.phases->measure("read", [&] { return read_points(comm, command.inputs, command.reading); });
   outcome.mesh = triangulate(comm, std::move(outcome.input.points), options);
   outcome.mesh.coordinate_system = outcome.input.coordinate_system;
   outcome.peak_rss_max_bytes = all_reduce_max(comm, peak_rss_bytes());
   if (command.writes()) {
     meter.begin("write");
     const MeshWriting writing{.progress = progress_into(meter)};
-    outcome.files =
-        phases.measure("write", [&] { return write_mesh(comm, outcome.mesh, command.output, writing); });
+    outcome.files = options.phases->measure(
+        "write", [&] { return write_mesh(comm, outcome.mesh, command.output, writing); });
     outcome.peak_rss_max_bytes = all_reduce_max(comm, peak_rss_bytes());
   } else {
     meter.begin("check");
-    outcome.validation =
-        phases.measure("check", [&] { return validate(comm, outcome.mesh, options.slabs.progress); });
+    outcome.validation = options.phases->measure(
+        "check", [&] { return validate(comm, outcome.mesh, options.slabs.progress); });
+  }
+}
+
+Outcome run_phases(const TriangulateCommand &given, const Communicator &comm, PointFiles &files,
+                   const Plan &plan, ProgressMeter &meter) {
+  TriangulateCommand command = given;
+  command.reading.progress = progress_into(meter);
+  PhaseLog phases(comm);
+  SplitTrace trace;
+  TriangulateOptions options{command.slabs, &phases, {command.kernel, command.trace ? &trace : nullptr}};
+  options.slabs.progress = progress_into(meter);
+  options.slabs.subject = joined(command.inputs, " ");
+  Outcome outcome;
+  outcome.plan = plan;
+  if (streams(command) || plan.forecast.on_disk) {
+    stream_phases(command, comm, files, plan, options, outcome);
+    outcome.peak_rss_max_bytes = all_reduce_max(comm, peak_rss_bytes());
+  } else {
+    whole_phases(command, comm, meter, options, outcome);
   }
   outcome.phases = summarise(comm, phases);
   if (command.trace)
     outcome.split_trace = summarise(comm, trace);
   return outcome;
+}
+
+Report plan_as_json(const Plan &plan) {
+  const Forecast &forecast = plan.forecast;
+  return {{"points", plan.points},
+          {"on_disk", forecast.on_disk},
+          {"axis", axis_name(forecast.axis)},
+          {"slabs", forecast.slabs},
+          {"path_sites", forecast.path_sites},
+          {"memory_bytes", forecast.memory_bytes},
+          {"memory_limit_bytes", plan.memory_bytes},
+          {"scratch_bytes", forecast.scratch_bytes},
+          {"mesh_bytes", forecast.mesh_bytes},
+          {"seconds", forecast.seconds}};
+}
+
+Report report_of_plan(const TriangulateCommand &command, const Session &session, const Plan &plan) {
+  Report report = new_report(session, "triangulate", command.inputs);
+  report["forecast"] = plan_as_json(plan);
+  return report;
 }
 
 Report report_of(const TriangulateCommand &command, const Session &session, const Outcome &outcome) {
@@ -118,6 +187,7 @@ Report report_of(const TriangulateCommand &command, const Session &session, cons
   report["ghosts"] = statistics.ghosts;
   if (outcome.split_trace)
     report["split_trace"] = split_trace_as_json(*outcome.split_trace);
+  report["forecast"] = plan_as_json(outcome.plan);
   report["phases"] = phases_as_json(phase_names, outcome.phases);
   return report;
 }
@@ -153,6 +223,9 @@ void print_outcome(const TriangulateCommand &command, const Session &session, co
   print_row("checksum", checksum_text(mesh.checksum));
   if (outcome.validation)
     print_row("checked", outcome.validation->valid ? "valid, in exact arithmetic" : "NOT VALID");
+  else if (!command.writes())
+    print_row("checked",
+              "counts of every slab, and of all by Euler's relation; the mesh is too large for more");
   print_row("time", times_text(session, outcome.phases));
   print_row("memory", fmt::format("{} on the largest of {}", size_text(outcome.peak_rss_max_bytes),
                                   counted(session.comm.size(), "rank", "ranks")));
@@ -171,7 +244,35 @@ ExitCode run_triangulate(const TriangulateCommand &command, const Session &sessi
   if (command.writes())
     outputs = check_mesh_output(comm, command.output, command.inputs);
   check_report(comm, command.telling.report, command.inputs, outputs);
-  const Outcome outcome = run_phases(command, comm);
+  std::vector<Stage> stages = usual_shares;
+  if (!command.writes())
+    stages.back() = {"check", 40};
+  ProgressMeter meter(progress_style(comm.is_root(), command.telling), stages);
+  meter.begin("read");
+  PointReading reading = command.reading;
+  reading.progress = progress_into(meter);
+  const auto files = open_point_files(comm, command.inputs, reading);
+  // Only to check a mesh it is kept whole, and only if it fits: else it is counted as it goes by.
+  if (command.room.on_disk && command.writes() && !streams(command))
+    throw Error({ErrorKind::usage, "--on-disk", "", "only a .vtkhdf, or none, is made slab by slab",
+                 "leave --on-disk away, or let dovetail convert make the other format of a .vtkhdf"});
+  const bool can_stream = streams(command) || !command.writes();
+  Plan plan =
+      plan_run(comm, *files, command.slabs, command.room, command.output, streams(command), command.dry_run);
+  if (!command.writes() && (!plan.forecast.fits || command.room.on_disk))
+    plan = plan_run(comm, *files, command.slabs, command.room, command.output, true, true);
+  if (command.dry_run) {
+    meter.finish();
+    if (comm.is_root() && !command.telling.quiet)
+      print_plan(plan, comm.size(), command.writes());
+  }
+  require_room(comm, plan, command.output, can_stream);
+  if (command.dry_run) {
+    write_report(session, report_of_plan(command, session, plan), command.telling.report);
+    return success;
+  }
+  const Outcome outcome = run_phases(command, comm, *files, plan, meter);
+  meter.finish();
   write_report(session, report_of(command, session, outcome), command.telling.report);
   if (comm.is_root() && !command.telling.quiet)
     print_outcome(command, session, outcome);
@@ -240,6 +341,27 @@ Subcommand add_triangulate(CLI::App &app) {
                    "Tell what every level of split-path did, in a table and in the report");
   parser->add_flag("--presorted", command->slabs.presorted,
                    "The points ascend by (x, y), or (y, x) with --axis y: checked, not sorted");
+  parser
+      ->add_option_function<std::string>(
+          "--memory",
+          [command](const std::string &text) {
+            try {
+              command->room.memory_bytes = bytes_from_text(text);
+            } catch (const std::invalid_argument &problem) {
+              throw CLI::ValidationError("--memory", problem.what());
+            }
+          },
+          "Memory for each rank; points that do not fit wait on disk [70 % of the node's, shared by its "
+          "ranks]")
+      ->option_text("4GiB");
+  parser
+      ->add_option("--scratch", command->room.scratch,
+                   "Folder for what does not fit into memory [the output's]")
+      ->option_text("FOLDER");
+  parser->add_flag("--on-disk", command->room.on_disk,
+                   "Let points wait on disk even if they fit into memory (.vtkhdf and none)");
+  parser->add_flag("--dry-run", command->dry_run,
+                   "Tell what it would take, from sizes and a sample, and whether that is there");
   add_telling_options(*parser, command->telling);
   return {parser, [command](const Session &session) { return run_triangulate(*command, session); }};
 }

@@ -51,16 +51,15 @@ void print_checks(const VerifyOptions &options, const ValidationReport &found) {
   print_row("checksum", checksum_text(found.checksum));
 }
 
-double share_of_mesh(const VerifyOptions &options) { return options.points.empty() ? 1 : 0.6; }
-
 ValidationReport check(const VerifyOptions &options, const Communicator &comm, ProgressMeter &meter,
-                       PhaseLog &phases, const DistributedMesh &mesh) {
+                       PhaseLog &phases, SlabSource &mesh) {
   if (options.points.empty()) {
     meter.begin("check");
     return phases.measure("check", [&] { return validate(comm, mesh, progress_into(meter)); });
   }
+  meter.begin("read");
   PointReading reading = options.reading;
-  reading.progress = part_of_stage(progress_into(meter), share_of_mesh(options), 1);
+  reading.progress = progress_into(meter);
   const PointInput input = phases.measure("read", [&] { return read_points(comm, options.points, reading); });
   meter.begin("check");
   return phases.measure("check", [&] { return validate(comm, mesh, input.points, progress_into(meter)); });
@@ -113,12 +112,15 @@ void print_result(const VerifyOptions &options, const Session &session, const Di
 }
 
 /// A mesh of a domain is checked by one process.
-ExitCode verify_as_domain(const VerifyOptions &options, const Session &session, const DistributedMesh &mesh,
-                          ProgressMeter &meter, PhaseLog &phases) {
+ExitCode verify_as_domain(const VerifyOptions &options, const Session &session, ProgressMeter &meter,
+                          PhaseLog &phases) {
   if (!options.points.empty())
     throw Error({ErrorKind::usage, options.mesh, "", "is a mesh of a domain, not of points alone",
                  "compare it with its domain file by --domain"});
   require_one_rank(session, "verify of a mesh of a domain");
+  meter.begin("read");
+  const DistributedMesh mesh =
+      phases.measure("read", [&] { return read_mesh(session.comm, options.mesh, progress_into(meter)); });
   meter.begin("check");
   const DomainVerdict verdict = phases.measure("check", [&] {
     require_sound_layout(session.comm, mesh, options.mesh);
@@ -166,16 +168,15 @@ ExitCode verify(const VerifyOptions &options, const Session &session) {
 
   ProgressMeter meter(progress_style(comm.is_root(), options.telling), {{"read", 1}, {"check", 30}});
   PhaseLog phases(comm);
-  meter.begin("read");
-  const DistributedMesh mesh = phases.measure("read", [&] {
-    return read_mesh(comm, options.mesh, part_of_stage(progress_into(meter), 0, share_of_mesh(options)));
-  });
+  const std::unique_ptr<SlabSource> source =
+      phases.measure("read", [&] { return open_mesh(comm, options.mesh); });
+  const DistributedMesh &mesh = source->common();
   if (mesh.domain)
-    return verify_as_domain(options, session, mesh, meter, phases);
+    return verify_as_domain(options, session, meter, phases);
   if (!options.domain.empty())
     throw Error({ErrorKind::usage, options.mesh, "", "is a mesh of points, without a domain",
                  "compare it with its points by --points"});
-  const ValidationReport found = check(options, comm, meter, phases, mesh);
+  const ValidationReport found = check(options, comm, meter, phases, *source);
   meter.finish();
   const std::vector<PhaseSummary> times = summarise(comm, phases);
   Report report = report_of(options, session, mesh, found);

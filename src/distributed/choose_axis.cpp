@@ -3,34 +3,15 @@
 #include "dovetail/comm/agreement.hpp"
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/comm/exchange.hpp"
-#include "dovetail/geometry/distributions.hpp"
 #include "dovetail/geometry/split_path.hpp"
+#include "point_sketch.hpp"
 
 #include <algorithm>
-#include <array>
-#include <vector>
+#include <utility>
 
 namespace dovetail {
-namespace {
 
-constexpr GlobalIndex sample_size = 1 << 14;
-
-/// This rank's part of the sample: its points are those from `first` on of `total`.
-std::vector<Point> sample(std::span<const Point> points, GlobalIndex first, GlobalIndex total) {
-  const GlobalIndex count = std::ssize(points);
-  const GlobalIndex block = std::max<GlobalIndex>(1, (total + sample_size - 1) / sample_size);
-  std::vector<Point> chosen;
-  for (GlobalIndex b = first / block; b * block < first + count; ++b) {
-    const auto draw = synthetic::mix(static_cast<std::uint64_t>(b) + synthetic::golden_gamma);
-    const GlobalIndex at = b * block + static_cast<GlobalIndex>(draw % static_cast<std::uint64_t>(block));
-    if (at >= first && at < first + count)
-      chosen.push_back(points[static_cast<std::size_t>(at - first)]);
-  }
-  return chosen;
-}
-
-/// Sites on the paths of the quartile lines together.
-std::size_t path_sites(std::vector<Point> sites, Axis axis) {
+std::size_t quartile_path_sites(std::vector<Point> sites, Axis axis) {
   if (sites.empty())
     return 0;
   std::vector<PathSite> ascending;
@@ -48,21 +29,47 @@ std::size_t path_sites(std::vector<Point> sites, Axis axis) {
   return length;
 }
 
-} // namespace
+Axis choose_axis(std::vector<Point> sample) {
+  const std::size_t along_y = quartile_path_sites(sample, Axis::y);
+  return 2 * along_y <= quartile_path_sites(std::move(sample), Axis::x) && along_y > 0 ? Axis::y : Axis::x;
+}
+
+std::vector<Point> sample_of_all(const Communicator &comm, PointSketch sketch) {
+  const auto purpose = [] { return "a sample of the points"; };
+  // In each round every second of the ranks that are left gives its sketch to the one before and is done.
+  for (int step = 1; step < comm.size(); step *= 2) {
+    std::vector<Point> given;
+    const auto letters = collectively(comm, purpose, [&] {
+      std::vector<Outgoing<Point>> result;
+      if (comm.rank() % (2 * step) == step) {
+        given = sketch.points();
+        result.push_back({comm.rank() - step, given});
+      }
+      return result;
+    });
+    const auto arrived = sparse_exchange<Point>(comm, letters);
+    collectively(comm, purpose, [&] {
+      for (const Incoming<Point> &letter : arrived)
+        sketch.add(letter.data);
+    });
+  }
+  std::vector<Point> sample =
+      collectively(comm, purpose, [&] { return comm.is_root() ? sketch.points() : std::vector<Point>(); });
+  broadcast_bulk(comm, sample);
+  return sample;
+}
 
 Axis choose_axis(const Communicator &comm, std::span<const Point> points) {
-  const GlobalIndex count = std::ssize(points);
-  const GlobalIndex first = exclusive_scan(comm, count);
-  const GlobalIndex total = all_reduce_sum(comm, count);
   const auto purpose = [] { return "a sample of the points"; };
-  const std::vector<Point> own = collectively(comm, purpose, [&] { return sample(points, first, total); });
-  const std::vector<Point> all = gather_bulk<Point>(comm, own).data;
-  int choose_y = collectively(comm, purpose, [&] {
-    const bool chooses = comm.is_root() && !all.empty();
-    return chooses && 2 * path_sites(all, Axis::y) <= path_sites(all, Axis::x) ? 1 : 0;
-  });
-  broadcast(comm, choose_y);
-  return choose_y != 0 ? Axis::y : Axis::x;
+  std::vector<Point> sample = sample_of_all(comm, collectively(comm, purpose, [&] {
+                                              PointSketch sketch(axis_sample_size);
+                                              sketch.add(points);
+                                              return sketch;
+                                            }));
+  int axis = collectively(
+      comm, purpose, [&] { return comm.is_root() ? static_cast<int>(choose_axis(std::move(sample))) : 0; });
+  broadcast(comm, axis);
+  return static_cast<Axis>(axis);
 }
 
 } // namespace dovetail

@@ -19,10 +19,6 @@ struct OwnSlabs {
   SplitLine right_line(int k) const { return line(slabs.first_slab + k); }
   GlobalIndex begin(int k) const { return slabs.site_offsets[index(slabs.first_slab + k)]; }
   GlobalIndex end(int k) const { return begin(k + 1); }
-  std::span<const Point> sites(int k) const {
-    return std::span(slabs.sites.points)
-        .subspan(static_cast<std::size_t>(begin(k) - begin(0)), static_cast<std::size_t>(end(k) - begin(k)));
-  }
 
 private:
   static std::size_t index(int s) { return static_cast<std::size_t>(s); }
@@ -51,11 +47,13 @@ Path sites_from(const Path &path, GlobalIndex number) {
 SlabHulls slab_hulls(const Slabs &slabs) {
   const OwnSlabs own{slabs};
   SlabHulls hulls{std::vector<Path>(index(own.count())), std::vector<Path>(index(own.count()))};
+  std::vector<Point> buffer;
   for (int k = 0; k < own.count(); ++k) {
+    const std::span<const Point> sites = points_of_slab(slabs, k, buffer);
     if (own.has_left_line(k))
-      hulls.left[index(k)] = own_hull(own.sites(k), own.begin(k), own.left_line(k));
+      hulls.left[index(k)] = own_hull(sites, own.begin(k), own.left_line(k));
     if (own.has_right_line(k))
-      hulls.right[index(k)] = own_hull(own.sites(k), own.begin(k), own.right_line(k));
+      hulls.right[index(k)] = own_hull(sites, own.begin(k), own.right_line(k));
   }
   return hulls;
 }

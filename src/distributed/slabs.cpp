@@ -1,6 +1,7 @@
 #include "dovetail/distributed/slabs.hpp"
 
 #include "choose_axis.hpp"
+#include "cut_slabs.hpp"
 #include "dovetail/comm/agreement.hpp"
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/comm/exchange.hpp"
@@ -17,50 +18,9 @@
 
 namespace dovetail {
 
-int default_slab_count(GlobalIndex sites, int ranks) {
-  constexpr GlobalIndex sites_of_a_slab = 1'500'000;
-  constexpr GlobalIndex sites_worth_a_rank = 1'000;
-  if (sites < sites_worth_a_rank * ranks)
-    return static_cast<int>(std::max<GlobalIndex>(1, sites / sites_worth_a_rank));
-  const auto most = static_cast<GlobalIndex>(std::sqrt(static_cast<double>(sites)) / 26);
-  const GlobalIndex wanted = (sites + sites_of_a_slab * ranks - 1) / (sites_of_a_slab * ranks);
-  const GlobalIndex each = std::max<GlobalIndex>(1, std::min(wanted, most / ranks));
-  return static_cast<int>(std::min<GlobalIndex>(each * ranks, std::numeric_limits<int>::max()));
-}
-
-std::vector<GlobalIndex> slab_offsets(GlobalIndex sites, int slabs) {
-  const GlobalIndex share = sites / slabs;
-  const GlobalIndex rest = sites % slabs;
-  std::vector<GlobalIndex> offsets;
-  offsets.reserve(static_cast<std::size_t>(slabs) + 1);
-  for (GlobalIndex s = 0; s <= slabs; ++s)
-    offsets.push_back(share * s + rest * s / slabs); // floor(sites * s / slabs), and cannot overflow
-  return offsets;
-}
-
 namespace {
 
 std::size_t index(std::int64_t value) { return static_cast<std::size_t>(value); }
-
-/// How the sites of all ranks are to be shared out.
-struct Division {
-  std::vector<GlobalIndex> slab_begins; ///< and the end
-  std::vector<GlobalIndex> rank_begins; ///< and the end
-};
-
-/// Collective.
-Division division_of(const Communicator &comm, GlobalIndex sites, const SlabOptions &options) {
-  const int ranks = comm.size();
-  const int slabs = options.slabs > 0 ? options.slabs : default_slab_count(sites, ranks);
-  return collectively(
-      comm, [&] { return fmt::format("the table of {} slabs", slabs); },
-      [&] {
-        Division division{slab_offsets(sites, slabs), {}};
-        for (int rank = 0; rank <= ranks; ++rank)
-          division.rank_begins.push_back(division.slab_begins[index(first_slab_of_rank(slabs, rank, ranks))]);
-        return division;
-      });
-}
 
 InputDigest digest_of(const Communicator &comm, const PointTable &table) {
   const std::vector<double> *z = heights_of(table);
@@ -117,7 +77,7 @@ std::vector<std::int64_t> differences(std::span<const std::int64_t> offsets) {
 /// points to one rank in any case.
 void bring_together(const Communicator &comm, PointTable &table, Axis axis, const SlabOptions &options) {
   const auto total = all_reduce_sum(comm, static_cast<GlobalIndex>(table.points.size()));
-  const Division division = division_of(comm, total, options);
+  const Division division = division_of(comm, total, options.slabs);
   redistribute(comm, table, axis, differences(cut_positions(comm, table.points, axis, division.rank_begins)));
 }
 
@@ -131,28 +91,6 @@ void shift(const Communicator &comm, PointTable &table, Axis axis,
   for (const GlobalIndex rank_begin : rank_begins)
     cuts.push_back(std::clamp<GlobalIndex>(rank_begin - begin, 0, count));
   redistribute(comm, table, axis, differences(cuts));
-}
-
-/// The lines of all borders. Every line is the `across` of one site, whose rank knows it.
-std::vector<double> lines_of(const Communicator &comm, const Slabs &slabs) {
-  if (slabs.site_count() == 0)
-    return collectively(
-        comm, [] { return "the lines between slabs"; },
-        [&] { return std::vector<double>(index(slabs.slab_count() - 1), 0.0); });
-  const GlobalIndex begin = slabs.first_site();
-  const GlobalIndex end = begin + std::ssize(slabs.sites.points);
-  const auto own = collectively(
-      comm, [] { return "the lines between slabs"; },
-      [&] {
-        std::vector<double> lines;
-        for (int s = 1; s < slabs.slab_count(); ++s) {
-          const GlobalIndex site = std::max<GlobalIndex>(slabs.site_offsets[index(s)], 1) - 1;
-          if (site >= begin && site < end)
-            lines.push_back(across(slabs.sites.points[index(site - begin)], slabs.axis));
-        }
-        return lines;
-      });
-  return all_gather_bulk<double>(comm, own).data;
 }
 
 /// Sends every merged point to the rank of its site, where it learns the site's number.
@@ -196,32 +134,6 @@ std::vector<Duplicate> duplicates_of(const Communicator &comm, const Slabs &slab
   });
 }
 
-/// Under DuplicateRule::error, the first site in the total order that has equal points is the fault.
-void refuse_duplicates(const Communicator &comm, const Slabs &slabs, const std::string &subject) {
-  std::optional<Problem> problem;
-  if (!slabs.duplicates.empty()) {
-    const Duplicate &duplicate = slabs.duplicates.front();
-    const std::size_t site = index(duplicate.site - slabs.first_site());
-    const Point point = slabs.sites.points[site];
-    problem = Problem{
-        ErrorKind::input, subject, fmt::format("point {}", duplicate.input_index),
-        fmt::format("equals point {}: both are at ({}, {})", slabs.sites.input_index[site], point.x, point.y),
-        "say which one represents both: --duplicates first, lowest or highest"};
-  }
-  agree(comm, problem);
-}
-
-/// All ranks know the same sizes, so all of them throw or none.
-void check_sizes(const Slabs &slabs, const std::string &subject) {
-  constexpr GlobalIndex most = (GlobalIndex{1} << 31) / 6;
-  const GlobalIndex largest = (slabs.site_count() + slabs.slab_count() - 1) / slabs.slab_count();
-  if (largest > most)
-    throw Error({ErrorKind::resource, subject, "",
-                 fmt::format("{} sites in {} slabs are more than the {} that a slab can have",
-                             slabs.site_count(), slabs.slab_count(), most),
-                 fmt::format("cut more: --slabs {} or above", (slabs.site_count() + most - 1) / most)});
-}
-
 } // namespace
 
 Slabs sort_into_slabs(const Communicator &comm, PointTable &&points, const SlabOptions &options) {
@@ -252,13 +164,9 @@ Slabs sort_into_slabs(const Communicator &comm, PointTable &&points, const SlabO
   }
 
   const auto site_count = all_reduce_sum(comm, static_cast<GlobalIndex>(sites.points.size()));
-  Division division = division_of(comm, site_count, options);
-  slabs.site_offsets = std::move(division.slab_begins);
-  check_sizes(slabs, options.subject);
+  Division division = division_of(comm, site_count, options.slabs);
   shift(comm, sites, slabs.axis, division.rank_begins);
-  slabs.first_slab = first_slab_of_rank(slabs.slab_count(), comm.rank(), comm.size());
-  slabs.own_slab_count =
-      first_slab_of_rank(slabs.slab_count(), comm.rank() + 1, comm.size()) - slabs.first_slab;
+  take_division(comm, std::move(division), options.subject, slabs);
   slabs.lines = lines_of(comm, slabs);
   slabs.duplicates = duplicates_of(comm, slabs, std::move(merged));
   if (options.duplicates == DuplicateRule::error)

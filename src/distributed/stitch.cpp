@@ -58,8 +58,8 @@ void number_triangles(const Communicator &comm, DistributedMesh &mesh) {
 namespace {
 
 /// Collective.
-MeshStatistics statistics_of(const Communicator &comm, const UnstitchedMesh &unstitched) {
-  const DistributedMesh &mesh = unstitched.mesh;
+MeshStatistics statistics_of(const Communicator &comm, GlobalIndex all_path_sites,
+                             GlobalIndex candidate_sites, const DistributedMesh &mesh) {
   GlobalIndex own = 0, path_sites = 0, longest = 0, ghosts = 0;
   for (const SlabMesh &slab : mesh.slabs) {
     own += slab.own_count;
@@ -67,8 +67,7 @@ MeshStatistics statistics_of(const Communicator &comm, const UnstitchedMesh &uns
     longest = std::max(longest, static_cast<GlobalIndex>(slab.left_path.size()));
     ghosts += static_cast<GlobalIndex>(slab.ghost_number.size());
   }
-  const auto maxima =
-      all_reduce_max(comm, std::vector{own, unstitched.path_sites, unstitched.candidate_sites, longest});
+  const auto maxima = all_reduce_max(comm, std::vector{own, all_path_sites, candidate_sites, longest});
   const auto sums = all_reduce_sum(comm, std::vector{path_sites, ghosts});
   MeshStatistics result;
   result.own_sites_max = maxima[0];
@@ -130,16 +129,20 @@ void check_that_none_are_missing(const Communicator &comm, const DistributedMesh
 
 } // namespace
 
+void stitching::sum_up(const Communicator &comm, GlobalIndex path_sites, GlobalIndex candidate_sites,
+                       DistributedMesh &mesh) {
+  mesh.statistics = statistics_of(comm, path_sites, candidate_sites, mesh);
+  mesh.checksum = all_reduce_sum(comm, mesh.checksum);
+  check_euler(mesh);
+}
+
 DistributedMesh stitch(const Communicator &comm, UnstitchedMesh &&unstitched) {
-  const MeshStatistics statistics = statistics_of(comm, unstitched);
   DistributedMesh mesh = std::move(unstitched.mesh);
   const stitching::Owners owners = stitching::owners(comm, mesh);
   stitching::number_triangles(comm, mesh);
   stitching::match_open_sides(comm, owners, unstitched.open_sides, mesh);
   stitching::complete_ghosts(comm, owners, mesh);
-  mesh.statistics = statistics;
-  mesh.checksum = all_reduce_sum(comm, mesh.checksum);
-  check_euler(mesh);
+  stitching::sum_up(comm, unstitched.path_sites, unstitched.candidate_sites, mesh);
   check_that_none_are_missing(comm, mesh);
   return mesh;
 }

@@ -41,7 +41,7 @@ const SlabMesh &slab_of_site(const DistributedMesh &mesh, GlobalIndex number) {
 /// One record a number: the input index, then the attributes, each as the bits of its 64.
 using Word = std::uint64_t;
 
-std::vector<Word> records_of(const DistributedMesh &mesh, const std::vector<GlobalIndex> &numbers) {
+std::vector<Word> records_of(const DistributedMesh &mesh, std::span<const GlobalIndex> numbers) {
   std::vector<Word> words;
   for (const GlobalIndex number : numbers) {
     const SlabMesh &slab = slab_of_site(mesh, number);
@@ -78,6 +78,12 @@ void take_records(const std::vector<GlobalIndex> &numbers, const std::vector<Inc
 } // namespace
 
 void complete_ghosts(const Communicator &comm, const Owners &owners, DistributedMesh &mesh) {
+  complete_ghosts(
+      comm, owners, [&](std::span<const GlobalIndex> numbers) { return records_of(mesh, numbers); }, mesh);
+}
+
+void complete_ghosts(const Communicator &comm, const Owners &owners, const SiteRecords &records,
+                     DistributedMesh &mesh) {
   const auto purpose = [] { return "the ghosts of its slabs"; };
   std::vector<GlobalIndex> numbers;
   const auto questions = collectively(comm, purpose, [&] {
@@ -91,7 +97,7 @@ void complete_ghosts(const Communicator &comm, const Owners &owners, Distributed
     std::vector<Outgoing<Word>> back;
     back.reserve(asked.size());
     for (const Incoming<GlobalIndex> &letter : asked)
-      back.push_back({letter.rank, replies.emplace_back(records_of(mesh, letter.data))});
+      back.push_back({letter.rank, replies.emplace_back(records(letter.data))});
     return back;
   });
   const auto answered = sparse_exchange<Word>(comm, letters);

@@ -12,34 +12,19 @@
 namespace dovetail::stitching {
 namespace {
 
-/// An edge with the triangle on one of its sides. Twins have the same two sites.
-struct OpenSide {
-  GlobalIndex low, high; ///< global numbers of the edge's sites
-  GlobalIndex triangle;  ///< global number
-  std::int32_t slab;     ///< among this rank's
-  LocalIndex side;       ///< in that slab
-};
-
 /// What travels to the rendezvous.
 struct Question {
   GlobalIndex low, high;
   GlobalIndex triangle;
 };
 
+/// What a rank lacks memory for, if it does.
+const char *purpose_text() { return "the edges between its slabs and others"; }
+
 bool same_edge(const auto &a, const auto &b) { return a.low == b.low && a.high == b.high; }
 auto edge_of(const auto &side) { return std::tuple(side.low, side.high, side.triangle); }
 
 std::size_t index(LocalIndex i) { return static_cast<std::size_t>(i); }
-
-OpenSide open_side(const SlabMesh &slab, std::size_t k, LocalIndex side) {
-  const LocalIndex triangle = side / 3, corner = side % 3;
-  const auto vertex = [&](LocalIndex i) {
-    return number_of_vertex(slab, slab.triangles.corners[index(3 * triangle + i % 3)]);
-  };
-  const GlobalIndex from = vertex(corner + 1), to = vertex(corner + 2);
-  return {std::min(from, to), std::max(from, to), slab.first_triangle + triangle,
-          static_cast<std::int32_t>(k), side};
-}
 
 std::vector<OpenSide> collect(const DistributedMesh &mesh,
                               const std::vector<std::vector<LocalIndex>> &open_sides) {
@@ -47,7 +32,6 @@ std::vector<OpenSide> collect(const DistributedMesh &mesh,
   for (std::size_t k = 0; k < mesh.slabs.size(); ++k)
     for (const LocalIndex side : open_sides[k])
       sides.push_back(open_side(mesh.slabs[k], k, side));
-  std::ranges::sort(sides, {}, edge_of<OpenSide>);
   return sides;
 }
 
@@ -55,8 +39,9 @@ void join(DistributedMesh &mesh, const OpenSide &side, GlobalIndex neighbour) {
   mesh.slabs[index(side.slab)].border_sides.push_back({side.side, neighbour});
 }
 
-/// Joins twins of this rank's own slabs and returns the others, still sorted.
+/// Joins twins of this rank's own slabs and returns the others, sorted.
 std::vector<OpenSide> match_own(std::vector<OpenSide> sides, DistributedMesh &mesh) {
+  std::ranges::sort(sides, {}, edge_of<OpenSide>);
   std::vector<OpenSide> alone;
   for (std::size_t i = 0; i < sides.size(); ++i) {
     if (i + 1 < sides.size() && same_edge(sides[i], sides[i + 1])) {
@@ -138,13 +123,28 @@ GlobalIndex join_answered(const std::vector<OpenSide> &alone,
 
 } // namespace
 
+OpenSide open_side(const SlabMesh &slab, std::size_t k, LocalIndex side) {
+  const LocalIndex triangle = side / 3, corner = side % 3;
+  const auto vertex = [&](LocalIndex i) {
+    return number_of_vertex(slab, slab.triangles.corners[index(3 * triangle + i % 3)]);
+  };
+  const GlobalIndex from = vertex(corner + 1), to = vertex(corner + 2);
+  return {std::min(from, to), std::max(from, to), slab.first_triangle + triangle,
+          static_cast<std::int32_t>(k), side};
+}
+
 void match_open_sides(const Communicator &comm, const Owners &owners,
                       const std::vector<std::vector<LocalIndex>> &open_sides, DistributedMesh &mesh) {
-  const auto purpose = [] { return "the edges between its slabs and others"; };
+  match_open_sides(comm, owners, collectively(comm, purpose_text, [&] { return collect(mesh, open_sides); }),
+                   mesh);
+}
+
+void match_open_sides(const Communicator &comm, const Owners &owners, std::vector<OpenSide> open_sides,
+                      DistributedMesh &mesh) {
   std::vector<OpenSide> alone;
   std::vector<Question> questions;
-  const auto letters = collectively(comm, purpose, [&] {
-    alone = match_own(collect(mesh, open_sides), mesh);
+  const auto letters = collectively(comm, purpose_text, [&] {
+    alone = match_own(std::move(open_sides), mesh);
     questions.reserve(alone.size());
     for (const OpenSide &side : alone)
       questions.push_back({side.low, side.high, side.triangle});
@@ -152,13 +152,13 @@ void match_open_sides(const Communicator &comm, const Owners &owners,
   });
   const auto asked = sparse_exchange<Question>(comm, letters);
   std::vector<std::vector<GlobalIndex>> answers;
-  const auto replies = collectively(comm, purpose, [&] {
+  const auto replies = collectively(comm, purpose_text, [&] {
     answers = answer(asked);
     return address_back(asked, answers);
   });
   const auto answered = sparse_exchange<GlobalIndex>(comm, replies);
-  mesh.hull_edges =
-      all_reduce_sum(comm, collectively(comm, purpose, [&] { return join_answered(alone, answered, mesh); }));
+  mesh.hull_edges = all_reduce_sum(
+      comm, collectively(comm, purpose_text, [&] { return join_answered(alone, answered, mesh); }));
 }
 
 } // namespace dovetail::stitching

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 namespace dovetail {
 namespace {
@@ -89,30 +90,61 @@ Path hull_chain(const Sites &sites, Axis axis, bool lower_side) {
   return chain;
 }
 
-/// The sites of the row through `from` and `to` behind `from`, up to `to`.
-void append_row(Numbers &chain, const Sites &sites, Axis axis, const PathSite &from, const PathSite &to) {
+/// The sites of the row through `from` and `to` that lie behind `from`, up to `to`.
+Numbers row_between(const Sites &sites, Axis axis, const PathSite &from, const PathSite &to) {
+  Numbers row;
   if (from.number == to.number)
-    return;
+    return row;
   for (std::size_t i = 0; i < sites.count(); ++i) {
     const PathSite site = sites[i];
     if (along(site.point, axis) == along(from.point, axis) && from.number < site.number &&
         site.number <= to.number)
-      chain.push_back(site.number);
+      row.push_back(site.number);
   }
+  return row;
+}
+
+/// A chain from its lowest to its highest site as edges, each with the lower number first; ascending.
+using Edge = std::pair<GlobalIndex, GlobalIndex>;
+std::vector<Edge> edges_of(const Numbers &chain) {
+  std::vector<Edge> edges;
+  for (std::size_t i = 1; i < chain.size(); ++i)
+    edges.push_back(std::minmax({chain[i - 1], chain[i]}));
+  std::ranges::sort(edges);
+  return edges;
+}
+
+/// The ends of all edges that are on one chain alone, where the slab is more than an edge; each once.
+Numbers ends_of_single_edges(const Numbers &left, const Numbers &right) {
+  std::vector<Edge> single;
+  std::ranges::set_symmetric_difference(edges_of(left), edges_of(right), std::back_inserter(single));
+  Numbers ends;
+  for (const Edge &edge : single)
+    ends.insert(ends.end(), {edge.first, edge.second});
+  std::ranges::sort(ends);
+  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+  return ends;
 }
 
 } // namespace
 
-GlobalIndex triangles_between(std::span<const Point> own_sites, GlobalIndex first_site, const Path &left,
-                              const Path &right, Axis axis) {
+SlabCounts counts_between(std::span<const Point> own_sites, GlobalIndex first_site, const Path &left,
+                          const Path &right, Axis axis) {
   const Sites sites(own_sites, first_site, left, right);
   if (sites.count() < 3 || all_collinear(sites))
-    return 0;
+    return {};
   const Path left_core = left.empty() ? hull_chain(sites, axis, true) : left;
   const Path right_core = right.empty() ? hull_chain(sites, axis, false) : right;
-  Numbers right_chain = numbers_of(right_core), left_chain = numbers_of(left_core);
-  append_row(left_chain, sites, axis, left_core.front(), right_core.front());
-  append_row(left_chain, sites, axis, left_core.back(), right_core.back());
+  Numbers right_chain = numbers_of(right_core);
+  Numbers left_chain = row_between(sites, axis, left_core.front(), right_core.front());
+  std::ranges::reverse(left_chain);
+  std::ranges::copy(numbers_of(left_core), std::back_inserter(left_chain));
+  std::ranges::copy(row_between(sites, axis, left_core.back(), right_core.back()),
+                    std::back_inserter(left_chain));
+  const auto is_own = [&](GlobalIndex number) { return sites.is_own(number); };
+  SlabCounts counts;
+  const Numbers used = ends_of_single_edges(left_chain, right_chain);
+  counts.ghosts = std::ssize(used) - std::ranges::count_if(used, is_own);
 
   const auto edges = static_cast<GlobalIndex>(left_chain.size() + right_chain.size()) - 2;
   std::ranges::sort(left_chain);
@@ -120,10 +152,14 @@ GlobalIndex triangles_between(std::span<const Point> own_sites, GlobalIndex firs
   Numbers border;
   std::ranges::set_union(left_chain, right_chain, std::back_inserter(border));
   const auto common = static_cast<GlobalIndex>(left_chain.size() + right_chain.size() - border.size());
-  const auto own_on_border =
-      std::ranges::count_if(border, [&](GlobalIndex number) { return sites.is_own(number); });
-  const auto inside = static_cast<GlobalIndex>(own_sites.size()) - own_on_border;
-  return edges + 2 * inside - 2 * (common - 1);
+  const auto inside = std::ssize(own_sites) - std::ranges::count_if(border, is_own);
+  counts.triangles = edges + 2 * inside - 2 * (common - 1);
+  return counts;
+}
+
+GlobalIndex triangles_between(std::span<const Point> own_sites, GlobalIndex first_site, const Path &left,
+                              const Path &right, Axis axis) {
+  return counts_between(own_sites, first_site, left, right, axis).triangles;
 }
 
 } // namespace dovetail

@@ -1,7 +1,6 @@
 #include "dovetail/distributed/triangulate_region.hpp"
 
 #include "dovetail/base/error.hpp"
-#include "dovetail/base/huge_pages.hpp"
 #include "dovetail/geometry/predicates.hpp"
 #include "dovetail/mesh/checksum.hpp"
 #include "dovetail/mesh/divide_and_conquer.hpp"
@@ -55,25 +54,9 @@ void check_local_range(const SlabView &slab, std::size_t vertices) {
                  "use more slabs (--slabs)"});
 }
 
-template <class T>
-std::vector<T> slice(const std::vector<T> &values, std::size_t begin, std::size_t end, std::size_t room) {
-  std::vector<T> result;
-  reserve_huge(result, end - begin + room);
-  result.insert(result.end(), values.begin() + static_cast<std::ptrdiff_t>(begin),
-                values.begin() + static_cast<std::ptrdiff_t>(end));
-  return result;
-}
-
 /// Own sites, with what came with them, and behind them the points of all foreign path sites.
 PointTable vertices_of(const SlabView &slab, const Path &foreign) {
-  const GlobalIndex first = slab.slabs.site_offsets[index(slab.slabs.first_slab)];
-  const std::size_t begin = index(slab.begin - first), end = index(slab.end - first);
-  const PointTable &sites = slab.slabs.sites;
-  PointTable table{slice(sites.points, begin, end, foreign.size()),
-                   slice(sites.input_index, begin, end, foreign.size()),
-                   {}};
-  for (const Attribute &attribute : sites.attributes)
-    table.attributes.push_back({attribute.name, slice(attribute.values, begin, end, foreign.size())});
+  PointTable table = table_of_slab(slab.slabs, slab.slab - slab.slabs.first_slab, foreign.size());
   std::ranges::transform(foreign, std::back_inserter(table.points), &PathSite::point);
   return table;
 }
@@ -164,13 +147,14 @@ std::vector<LocalIndex> sides_without_neighbour(const Triangulation &triangles) 
 }
 
 /// The paths and the kernel know nothing of each other, so that a fault of either shows here.
-void check_count(const SlabView &slab, const SlabMesh &mesh) {
+void check_counts(const SlabView &slab, const SlabMesh &mesh) {
   const auto own = std::span(mesh.vertices.points).first(index(mesh.own_count));
-  const GlobalIndex expected = triangles_between(own, slab.begin, slab.left, slab.right, slab.slabs.axis);
-  if (mesh.triangles.triangle_count() != expected)
+  const SlabCounts expected = counts_between(own, slab.begin, slab.left, slab.right, slab.slabs.axis);
+  const SlabCounts found{mesh.triangles.triangle_count(), std::ssize(mesh.ghost_number)};
+  if (found != expected)
     throw Error({ErrorKind::fault, fmt::format("slab {}", slab.slab), "",
-                 fmt::format("has {} triangles where its sites and paths call for {}",
-                             mesh.triangles.triangle_count(), expected),
+                 fmt::format("has {} triangles and {} ghosts where its sites and paths call for {} and {}",
+                             found.triangles, found.ghosts, expected.triangles, expected.ghosts),
                  "this is a fault of dovetail: please report it with the points"});
 }
 
@@ -178,7 +162,7 @@ Triangulation triangles_of(std::span<const Point> sites, const KernelChoice &cho
   return choice.kernel == Kernel::split_path ? delaunay_by_split_paths(sites, choice.trace) : delaunay(sites);
 }
 
-SlabMesh triangulate_slab(const SlabView &slab, const KernelChoice &kernel) {
+SlabMesh mesh_of(const SlabView &slab, const KernelChoice &kernel) {
   const Path foreign = foreign_path_sites(slab);
   check_local_range(slab, index(slab.end - slab.begin) + foreign.size());
   SlabMesh mesh;
@@ -191,7 +175,7 @@ SlabMesh triangulate_slab(const SlabView &slab, const KernelChoice &kernel) {
   const Selection selection = select(slab, mesh.vertices.points, mesh.triangles);
   keep_used_ghosts(selection, foreign, mesh);
   remove_triangles(mesh.triangles, selection.removed);
-  check_count(slab, mesh);
+  check_counts(slab, mesh);
   return mesh;
 }
 
@@ -232,6 +216,14 @@ void remove_triangles(Triangulation &triangles, std::span<const LocalIndex> remo
   neighbours.resize(3 * index(count));
 }
 
+LoneSlab triangulate_slab(const Region &region, int k, const KernelChoice &kernel) {
+  LoneSlab slab;
+  slab.mesh = mesh_of(view(region, k), kernel);
+  slab.open_sides = sides_without_neighbour(slab.mesh.triangles);
+  slab.checksum = checksum_of(slab.mesh);
+  return slab;
+}
+
 UnstitchedMesh triangulate_region(Region &&region, const Progress &progress, const KernelChoice &kernel) {
   if (region.problem)
     throw Error(*region.problem);
@@ -240,9 +232,10 @@ UnstitchedMesh triangulate_region(Region &&region, const Progress &progress, con
   const int count = region.slabs.own_slab_count;
   report_progress(progress, "triangulate", 0);
   for (int k = 0; k < count; ++k) {
-    mesh.slabs.push_back(triangulate_slab(view(region, k), kernel));
-    mesh.checksum += checksum_of(mesh.slabs.back());
-    result.open_sides.push_back(sides_without_neighbour(mesh.slabs.back().triangles));
+    LoneSlab slab = triangulate_slab(region, k, kernel);
+    mesh.slabs.push_back(std::move(slab.mesh));
+    mesh.checksum += slab.checksum;
+    result.open_sides.push_back(std::move(slab.open_sides));
     report_progress(progress, "triangulate", static_cast<double>(k + 1) / count);
   }
   for (const Path &path : region.paths)

@@ -10,6 +10,14 @@
 namespace dovetail {
 namespace validation {
 
+void Findings::keep_only(std::initializer_list<ViolationKind> kinds) {
+  const auto is_kept = [&](ViolationKind kind) { return std::ranges::find(kinds, kind) != kinds.end(); };
+  for (std::size_t kind = 0; kind < violation_kinds; ++kind)
+    if (!is_kept(static_cast<ViolationKind>(kind)))
+      counts.violations_by_kind[kind] = 0;
+  std::erase_if(counts.first_violations, [&](const Violation &found) { return !is_kept(found.kind); });
+}
+
 std::string text_of(Point p) { return fmt::format("({:.17g}, {:.17g})", p.x, p.y); }
 
 std::string place_of(const SlabMesh &slab, int s, LocalIndex triangle) {
@@ -33,6 +41,7 @@ namespace {
 
 using validation::at;
 using validation::Findings;
+using validation::Gathered;
 
 /// Collective: the sums of all ranks' counts, and the first violations of every kind by rank.
 ValidationReport combine(const Communicator &comm, const Findings &findings) {
@@ -75,28 +84,58 @@ ValidationReport combine(const Communicator &comm, const Findings &findings) {
   return report;
 }
 
-ValidationReport run(const Communicator &comm, const DistributedMesh &mesh, const PointTable *points,
-                     const Progress &progress) {
-  Findings findings;
-  const std::vector<int> first_slabs = validation::check_layout(comm, mesh, findings);
-  if (first_slabs.empty() || !validation::check_coordinates(comm, mesh, findings))
-    return combine(comm, findings);
-  const validation::Ownership owners(mesh, first_slabs);
-  validation::check_order_and_lines(comm, mesh, findings);
-  if (mesh.triangle_count() == 0) {
-    validation::check_collinear(comm, mesh, findings);
-  } else {
-    collectively(comm, validation::checking_text,
-                 [&] { validation::check_triangles(mesh, findings, progress); });
-    validation::check_borders(comm, mesh, owners, findings);
-    validation::check_hull(comm, mesh, owners, findings);
-    validation::check_ghosts_and_use(comm, mesh, owners, findings);
-    validation::check_paths(comm, mesh, owners, findings);
+/// Local: reads every own slab once.
+Gathered gather(SlabSource &source, const validation::Ownership &owners,
+                std::span<const validation::GhostNotice> ghosts, Findings &findings,
+                const Progress &progress) {
+  const DistributedMesh &common = source.common();
+  const int first = common.first_slab, count = source.own_slab_count();
+  const GlobalIndex triangles =
+      common.triangle_offsets[at(first + count)] - common.triangle_offsets[at(first)];
+  ProgressCount done(progress, "check", static_cast<double>(std::max<GlobalIndex>(triangles, 1)));
+  Gathered gathered;
+  for (int k = 0; k < count; ++k) {
+    const SlabMesh &slab = source.slab(k);
+    const int s = first + k;
+    if (!validation::gather_layout(common, slab, at(s), gathered, findings))
+      continue;
+    validation::gather_order(common, slab, gathered, findings);
+    if (common.triangle_count() > 0) {
+      validation::gather_triangles(common, slab, s, done, findings);
+      validation::gather_borders(slab, s, gathered);
+      validation::gather_hull(slab, gathered, findings);
+      validation::gather_paths(common, slab, s, owners, gathered);
+      validation::gather_sites(slab, s, ghosts, findings);
+    }
+    validation::gather_sums(slab, source.duplicates(k), gathered, findings);
   }
-  validation::check_checksum(comm, mesh, findings);
-  validation::check_duplicates_and_digest(comm, mesh, findings);
+  return gathered;
+}
+
+ValidationReport run(const Communicator &comm, SlabSource &source, const PointTable *points,
+                     const Progress &progress) {
+  const DistributedMesh &common = source.common();
+  Findings findings;
+  const std::vector<int> first_slabs = validation::check_common(comm, source, findings);
+  if (first_slabs.empty())
+    return combine(comm, findings);
+  const validation::Ownership owners(common, first_slabs);
+  const std::vector<validation::GhostNotice> ghosts = validation::ghosts_of_own_sites(comm, source, owners);
+  const Gathered gathered = collectively(comm, validation::checking_text,
+                                         [&] { return gather(source, owners, ghosts, findings, progress); });
+  if (!validation::check_soundness(comm, common, gathered, findings))
+    return combine(comm, findings);
+  validation::check_order_across_ranks(comm, common, gathered, findings);
+  if (common.triangle_count() == 0) {
+    validation::check_collinear(comm, source, gathered, findings);
+  } else {
+    validation::check_borders(comm, owners, gathered, findings);
+    validation::check_hull(comm, common, owners, gathered, findings);
+    validation::check_paths(comm, common, owners, gathered, findings);
+  }
+  validation::check_sums(comm, common, gathered, findings);
   if (points != nullptr)
-    validation::check_input(comm, mesh, *points, findings);
+    validation::check_input(comm, source, *points, findings);
   return combine(comm, findings);
 }
 
@@ -111,19 +150,35 @@ std::string_view name_of(ViolationKind kind) {
 }
 
 ValidationReport validate(const Communicator &comm, const DistributedMesh &mesh, const Progress &progress) {
-  return run(comm, mesh, nullptr, progress);
+  SlabsInMemory source(mesh);
+  return run(comm, source, nullptr, progress);
 }
 
 ValidationReport validate(const Communicator &comm, const DistributedMesh &mesh, const PointTable &points,
                           const Progress &progress) {
-  return run(comm, mesh, &points, progress);
+  SlabsInMemory source(mesh);
+  return run(comm, source, &points, progress);
+}
+
+ValidationReport validate(const Communicator &comm, SlabSource &source, const Progress &progress) {
+  return run(comm, source, nullptr, progress);
+}
+
+ValidationReport validate(const Communicator &comm, SlabSource &source, const PointTable &points,
+                          const Progress &progress) {
+  return run(comm, source, &points, progress);
 }
 
 void require_sound_layout(const Communicator &comm, const DistributedMesh &mesh, const std::string &subject) {
   Findings findings;
-  if (!validation::check_layout(comm, mesh, findings).empty() &&
-      validation::check_coordinates(comm, mesh, findings))
-    return;
+  const SlabsInMemory source(mesh);
+  if (!validation::check_common(comm, source, findings).empty()) {
+    Gathered gathered;
+    for (std::size_t k = 0; k < mesh.slabs.size(); ++k)
+      validation::gather_layout(mesh, mesh.slabs[k], at(mesh.first_slab) + k, gathered, findings);
+    if (validation::check_soundness(comm, mesh, gathered, findings))
+      return;
+  }
   const ValidationReport report = combine(comm, findings);
   throw Error(
       {ErrorKind::input, subject, "",

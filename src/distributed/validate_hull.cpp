@@ -8,31 +8,6 @@
 namespace dovetail::validation {
 namespace {
 
-/// Calls visit(slab, s, side) for every side with nothing beyond.
-template <class Visit> void for_each_hull_side(const DistributedMesh &mesh, Visit &&visit) {
-  int s = mesh.first_slab;
-  for (const SlabMesh &slab : mesh.slabs) {
-    auto border = slab.border_sides.begin();
-    for (std::size_t side = 0; side < slab.triangles.neighbours.size(); ++side) {
-      if (slab.triangles.neighbours[side] != none)
-        continue;
-      if (border != slab.border_sides.end() && at(border->side) == side)
-        ++border;
-      else
-        visit(slab, s, static_cast<LocalIndex>(side));
-    }
-    ++s;
-  }
-}
-
-/// One end of a hull edge, told to the owner of the site there.
-struct HullNotice {
-  GlobalIndex site;
-  GlobalIndex other;
-  Point site_point, other_point;
-  std::int64_t leaves; ///< 1: the edge goes from site to other; 0: from other to site
-};
-
 struct Extremes {
   GlobalIndex low = 0, high = 0;
 };
@@ -63,19 +38,18 @@ void check_hull_vertex(const Point p, std::span<const HullNotice> notices, Extre
     });
 }
 
-std::vector<HullNotice> hull_notices(const DistributedMesh &mesh) {
-  std::vector<HullNotice> notices;
-  for_each_hull_side(mesh, [&](const SlabMesh &slab, int, LocalIndex side) {
+} // namespace
+
+void gather_hull(const SlabMesh &slab, Gathered &gathered, Findings &findings) {
+  for_each_hull_side(slab, [&](LocalIndex side) {
     const Side edge = side_of(slab, side);
     const GlobalIndex from = number_of(slab, edge.from);
     const GlobalIndex to = number_of(slab, edge.to);
-    notices.push_back({from, to, point_of(slab, edge.from), point_of(slab, edge.to), 1});
-    notices.push_back({to, from, point_of(slab, edge.to), point_of(slab, edge.from), 0});
+    gathered.hull.push_back({from, to, point_of(slab, edge.from), point_of(slab, edge.to), 1});
+    gathered.hull.push_back({to, from, point_of(slab, edge.to), point_of(slab, edge.from), 0});
+    ++findings.counts.hull_edges;
   });
-  return notices;
 }
-
-} // namespace
 
 // Why looking at one vertex at a time is enough. If one edge arrives and one leaves at every boundary vertex,
 // the boundary is a set of closed cycles. Each of them has a lexicographically lowest vertex, where it goes
@@ -85,16 +59,10 @@ std::vector<HullNotice> hull_notices(const DistributedMesh &mesh) {
 // less than 180 (a turn of 180 is refused as turning back). That is less than 720 in all, more than 0 and a
 // multiple of 360: the boundary is a convex polygon, passed once. A boundary that winds twice, such as that
 // of a pentagram, has two lowest vertices.
-void check_hull(const Communicator &comm, const DistributedMesh &mesh, const Ownership &owners,
-                Findings &findings) {
-  auto notices = deliver(
-      comm,
-      [&] {
-        std::vector<HullNotice> told = hull_notices(mesh);
-        findings.counts.hull_edges = static_cast<GlobalIndex>(told.size() / 2);
-        return told;
-      },
-      [&](const HullNotice &notice) { return owners.rank_of_site(notice.site); });
+void check_hull(const Communicator &comm, const DistributedMesh &common, const Ownership &owners,
+                const Gathered &gathered, Findings &findings) {
+  auto notices = deliver(comm, gathered.hull,
+                         [&](const HullNotice &notice) { return owners.rank_of_site(notice.site); });
   std::ranges::sort(notices, {}, &HullNotice::site);
   Extremes extremes;
   for (std::size_t begin = 0, end = 0; begin < notices.size(); begin = end) {
@@ -112,43 +80,36 @@ void check_hull(const Communicator &comm, const DistributedMesh &mesh, const Own
       return fmt::format("the boundary goes up {} times and down {} times, where once must be", sums[0],
                          sums[1]);
     });
-  if (sums[2] != mesh.hull_edges)
+  if (sums[2] != common.hull_edges)
     findings.add(ViolationKind::hull, [&] {
-      return fmt::format("the mesh says {} hull edges, and has {}", mesh.hull_edges, sums[2]);
+      return fmt::format("the mesh says {} hull edges, and has {}", common.hull_edges, sums[2]);
     });
-  if (const GlobalIndex expected = 2 * mesh.site_count() - 2 - sums[2]; mesh.triangle_count() != expected)
+  if (const GlobalIndex expected = 2 * common.site_count() - 2 - sums[2]; common.triangle_count() != expected)
     findings.add(ViolationKind::euler, [&] {
-      return fmt::format("{} triangles where {} sites and {} hull edges call for {}", mesh.triangle_count(),
-                         mesh.site_count(), sums[2], expected);
+      return fmt::format("{} triangles where {} sites and {} hull edges call for {}", common.triangle_count(),
+                         common.site_count(), sums[2], expected);
     });
 }
 
 namespace {
 
-/// An edge that the path of a line must have, upwards along the line.
-struct PathNotice {
-  std::int64_t slab; ///< right of the line
-  GlobalIndex from, to;
-  friend auto operator<=>(const PathNotice &, const PathNotice &) = default;
-};
-
 /// Adds the edge, of a triangle in slab s with what is beyond in slab `beyond` (-1 or the number of slabs:
 /// the outside), to the paths of all lines between the two, if the triangle is on the lower side of the
 /// lines' coordinate and so has the telling.
-void add_path_edge(const DistributedMesh &mesh, const SlabMesh &slab, int s, LocalIndex side, bool is_hull,
+void add_path_edge(const DistributedMesh &common, const SlabMesh &slab, int s, LocalIndex side, bool is_hull,
                    int beyond, std::vector<PathNotice> &notices) {
   const Side edge = side_of(slab, side);
-  const double from = along(point_of(slab, edge.from), mesh.axis);
-  const double to = along(point_of(slab, edge.to), mesh.axis);
+  const double from = along(point_of(slab, edge.from), common.axis);
+  const double to = along(point_of(slab, edge.to), common.axis);
   if (from == to)
     return; // parallel to the Voronoi edge's line: no line crosses it
   // A counter-clockwise triangle lies left of its edge, which is the side of smaller x going up, and that of
   // larger y going right.
-  const bool is_low_side = (from < to) == (mesh.axis == Axis::x);
+  const bool is_low_side = (from < to) == (common.axis == Axis::x);
   if (!is_hull && !is_low_side)
     return;
   const int first = is_low_side ? s + 1 : 1;
-  const int last = !is_hull ? beyond : is_low_side ? mesh.slab_count() - 1 : s;
+  const int last = !is_hull ? beyond : is_low_side ? common.slab_count() - 1 : s;
   GlobalIndex low = number_of(slab, edge.from);
   GlobalIndex high = number_of(slab, edge.to);
   if (to < from)
@@ -157,24 +118,24 @@ void add_path_edge(const DistributedMesh &mesh, const SlabMesh &slab, int s, Loc
     notices.push_back({line, low, high});
 }
 
-std::vector<PathNotice> path_notices(const DistributedMesh &mesh, const Ownership &owners) {
-  std::vector<PathNotice> told;
-  int s = mesh.first_slab;
-  for (const SlabMesh &slab : mesh.slabs) {
-    for (const BorderSide &border : slab.border_sides)
-      add_path_edge(mesh, slab, s, border.side, false, owners.slab_of_triangle(border.neighbour), told);
-    ++s;
-  }
-  for_each_hull_side(mesh, [&](const SlabMesh &slab, int number, LocalIndex side) {
-    add_path_edge(mesh, slab, number, side, true, none, told);
-  });
-  return told;
+} // namespace
+
+void gather_paths(const DistributedMesh &common, const SlabMesh &slab, int s, const Ownership &owners,
+                  Gathered &gathered) {
+  for (const BorderSide &border : slab.border_sides)
+    add_path_edge(common, slab, s, border.side, false, owners.slab_of_triangle(border.neighbour),
+                  gathered.path_edges);
+  for_each_hull_side(
+      slab, [&](LocalIndex side) { add_path_edge(common, slab, s, side, true, none, gathered.path_edges); });
 }
 
-void check_path(const SlabMesh &slab, int s, std::span<const PathNotice> expected, Findings &findings) {
+namespace {
+
+void check_path(const std::vector<GlobalIndex> &path, int s, std::span<const PathNotice> expected,
+                Findings &findings) {
   std::vector<PathNotice> stored;
-  for (std::size_t i = 1; i < slab.left_path.size(); ++i)
-    stored.push_back({s, slab.left_path[i - 1], slab.left_path[i]});
+  for (std::size_t i = 1; i < path.size(); ++i)
+    stored.push_back({s, path[i - 1], path[i]});
   findings.counts.path_edges += static_cast<GlobalIndex>(stored.size());
   std::ranges::sort(stored);
   const auto [has, needs] = std::ranges::mismatch(stored, expected);
@@ -196,18 +157,18 @@ void check_path(const SlabMesh &slab, int s, std::span<const PathNotice> expecte
 // it) and that on its upper side is right of it. Where there is nothing beyond, the Voronoi edge runs to
 // infinity, away from the line if the edge is parallel to the coordinate that is cut. So the triangles on
 // borders and hull know all edges of all paths, and a path is right if it has these and no others.
-void check_paths(const Communicator &comm, const DistributedMesh &mesh, const Ownership &owners,
-                 Findings &findings) {
-  auto notices = deliver(
-      comm, [&] { return path_notices(mesh, owners); },
-      [&](const PathNotice &notice) { return owners.rank_of_slab(static_cast<int>(notice.slab)); });
+void check_paths(const Communicator &comm, const DistributedMesh &common, const Ownership &owners,
+                 const Gathered &gathered, Findings &findings) {
+  auto notices = deliver(comm, gathered.path_edges, [&](const PathNotice &notice) {
+    return owners.rank_of_slab(static_cast<int>(notice.slab));
+  });
   std::ranges::sort(notices);
   collectively(comm, checking_text, [&] {
-    int s = mesh.first_slab;
-    for (const SlabMesh &slab : mesh.slabs) {
+    int s = common.first_slab;
+    for (const std::vector<GlobalIndex> &path : gathered.left_paths) {
       const auto range = std::ranges::equal_range(notices, s, {}, &PathNotice::slab);
       if (s > 0)
-        check_path(slab, s, std::span<const PathNotice>(range.begin(), range.end()), findings);
+        check_path(path, s, std::span<const PathNotice>(range.begin(), range.end()), findings);
       ++s;
     }
   });

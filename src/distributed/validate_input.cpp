@@ -32,19 +32,20 @@ void add_input(const PointTable &points, GlobalIndex first, GlobalIndex last, st
       entries.push_back({index, points.points[i], z ? (*z)[i] : 0.0});
 }
 
-void add_mesh(const DistributedMesh &mesh, GlobalIndex first, GlobalIndex last, std::vector<Entry> &entries) {
-  auto duplicate = mesh.duplicates.begin();
-  for (const SlabMesh &slab : mesh.slabs) {
-    const std::vector<double> *z = z_of(slab.vertices);
-    for (std::size_t v = 0; v < at(slab.own_count); ++v)
-      if (const GlobalIndex index = slab.vertices.input_index[v]; index >= first && index <= last)
-        entries.push_back({index, slab.vertices.points[v], z ? (*z)[v] : 0.0});
-    const GlobalIndex end_site = slab.first_site + slab.own_count;
-    for (; duplicate != mesh.duplicates.end() && duplicate->site < end_site; ++duplicate)
-      if (duplicate->site >= slab.first_site && duplicate->input_index >= first &&
-          duplicate->input_index <= last)
-        entries.push_back({duplicate->input_index,
-                           slab.vertices.points[at(duplicate->site - slab.first_site)], duplicate->z});
+void add_mesh(SlabSource &source, GlobalIndex first, GlobalIndex last, std::vector<Entry> &entries) {
+  const std::vector<GlobalIndex> &offsets = source.common().site_offsets;
+  for (int k = 0; k < source.own_slab_count(); ++k) {
+    const std::size_t s = at(source.common().first_slab + k);
+    const GlobalIndex own = offsets[s + 1] - offsets[s];
+    const PointTable &vertices = source.vertices(k);
+    const std::vector<double> *z = z_of(vertices);
+    for (std::size_t v = 0; v < at(own); ++v)
+      if (const GlobalIndex index = vertices.input_index[v]; index >= first && index <= last)
+        entries.push_back({index, vertices.points[v], z ? (*z)[v] : 0.0});
+    for (const Duplicate &entry : source.duplicates(k))
+      if (entry.site >= offsets[s] && entry.site < offsets[s + 1] && entry.input_index >= first &&
+          entry.input_index <= last)
+        entries.push_back({entry.input_index, vertices.points[at(entry.site - offsets[s])], entry.z});
   }
 }
 
@@ -81,8 +82,7 @@ constexpr GlobalIndex indices_at_once = GlobalIndex{1}
 
 /// In rounds, so that a rank needs memory for a part of the points only; every round has a range of indices
 /// for every rank to compare.
-void check_input(const Communicator &comm, const DistributedMesh &mesh, const PointTable &points,
-                 Findings &findings) {
+void check_input(const Communicator &comm, SlabSource &source, const PointTable &points, Findings &findings) {
   constexpr GlobalIndex lowest = std::numeric_limits<GlobalIndex>::min();
   constexpr GlobalIndex highest = std::numeric_limits<GlobalIndex>::max();
   GlobalIndex last = 0;
@@ -100,7 +100,7 @@ void check_input(const Communicator &comm, const DistributedMesh &mesh, const Po
     // What the mesh has beyond all that the input has is compared with the first and last rounds.
     const auto mesh_part = [&] {
       std::vector<Entry> own;
-      add_mesh(mesh, begin == 0 ? lowest : begin, end > last ? highest : end - 1, own);
+      add_mesh(source, begin == 0 ? lowest : begin, end > last ? highest : end - 1, own);
       return own;
     };
     std::vector<Entry> of_mesh = deliver(comm, mesh_part, rank_of);

@@ -125,22 +125,19 @@ std::string fault_of_slab(const DistributedMesh &mesh, const SlabMesh &slab, std
 
 } // namespace
 
-std::vector<int> check_layout(const Communicator &comm, const DistributedMesh &mesh, Findings &findings) {
+std::vector<int> check_common(const Communicator &comm, const SlabSource &source, Findings &findings) {
+  const DistributedMesh &common = source.common();
   const auto complain = [&](std::string text) {
     findings.add(ViolationKind::layout, [&] { return std::move(text); });
   };
-  const std::uint64_t common = hash_of_common(mesh);
-  const bool differ = all_reduce_min(comm, common) != all_reduce_max(comm, common);
-  std::vector<int> firsts = all_gather(comm, mesh.first_slab);
-  const std::vector<int> counts = all_gather(comm, static_cast<int>(mesh.slabs.size()));
-  const bool has_slabs = !mesh.slabs.empty();
-  const std::uint64_t names = has_slabs ? hash_of_names(mesh.slabs.front()) : 0;
-  const std::uint64_t lowest_names = all_reduce_min(comm, has_slabs ? names : ~std::uint64_t{0});
-
+  const std::uint64_t hash = hash_of_common(common);
+  const bool differ = all_reduce_min(comm, hash) != all_reduce_max(comm, hash);
+  std::vector<int> firsts = all_gather(comm, common.first_slab);
+  const std::vector<int> counts = all_gather(comm, source.own_slab_count());
   if (differ && comm.is_root())
     complain("what all ranks should share differs between them");
-  if (std::string common_fault = fault_of_common(mesh); !common_fault.empty()) {
-    complain(std::move(common_fault));
+  if (std::string fault = fault_of_common(common); !fault.empty()) {
+    complain(std::move(fault));
   } else {
     int next = 0;
     for (std::size_t rank = 0; rank < firsts.size(); ++rank) {
@@ -149,43 +146,74 @@ std::vector<int> check_layout(const Communicator &comm, const DistributedMesh &m
             fmt::format("rank {} begins with slab {} where slab {} comes next", rank, firsts[rank], next));
       next = firsts[rank] + counts[rank];
     }
-    if (comm.is_root() && next != mesh.slab_count())
-      complain(fmt::format("the ranks end with slab {} of {}", next, mesh.slab_count()));
-    for (std::size_t k = 0; k < mesh.slabs.size() && at(mesh.first_slab) + k < at(mesh.slab_count()); ++k) {
-      const std::size_t s = at(mesh.first_slab) + k;
-      if (std::string fault = fault_of_slab(mesh, mesh.slabs[k], s); !fault.empty())
-        complain(fmt::format("slab {} {}", s, fault));
-      if (hash_of_names(mesh.slabs[k]) != lowest_names)
-        complain(fmt::format("slab {} has other attributes than others", s));
-    }
+    if (comm.is_root() && next != common.slab_count())
+      complain(fmt::format("the ranks end with slab {} of {}", next, common.slab_count()));
   }
   if (any_of_ranks(comm, findings.any()))
     return {};
-  firsts.push_back(mesh.slab_count());
+  firsts.push_back(common.slab_count());
   return firsts;
 }
 
-bool check_coordinates(const Communicator &comm, const DistributedMesh &mesh, Findings &findings) {
+namespace {
+
+/// Local: whether all coordinates are finite; no predicate may see them otherwise.
+bool check_coordinates(const SlabMesh &slab, std::size_t s, Findings &findings) {
   bool finite = true;
-  int s = mesh.first_slab;
-  for (const SlabMesh &slab : mesh.slabs) {
-    for (std::size_t v = 0; v < slab.vertices.points.size(); ++v) {
-      const Point p = slab.vertices.points[v];
-      const bool is_finite = std::isfinite(p.x) && std::isfinite(p.y);
-      const bool is_canonical = !(p.x == 0 && std::signbit(p.x)) && !(p.y == 0 && std::signbit(p.y));
-      finite = finite && is_finite;
-      if (!is_finite || !is_canonical)
-        findings.add(ViolationKind::coordinate, [&] {
-          return fmt::format("slab {}, site {}: {} is {}", s, number_of(slab, static_cast<LocalIndex>(v)),
-                             text_of(p), is_finite ? "a negative zero" : "not finite");
-        });
-    }
-    findings.counts.sites += slab.own_count;
-    findings.counts.ghosts += static_cast<GlobalIndex>(slab.ghost_number.size());
-    findings.counts.triangles += slab.triangles.triangle_count();
-    ++s;
+  for (std::size_t v = 0; v < slab.vertices.points.size(); ++v) {
+    const Point p = slab.vertices.points[v];
+    const bool is_finite = std::isfinite(p.x) && std::isfinite(p.y);
+    const bool is_canonical = !(p.x == 0 && std::signbit(p.x)) && !(p.y == 0 && std::signbit(p.y));
+    finite = finite && is_finite;
+    if (!is_finite || !is_canonical)
+      findings.add(ViolationKind::coordinate, [&] {
+        return fmt::format("slab {}, site {}: {} is {}", s, number_of(slab, static_cast<LocalIndex>(v)),
+                           text_of(p), is_finite ? "a negative zero" : "not finite");
+      });
   }
-  return all_of_ranks(comm, finite);
+  return finite;
+}
+
+} // namespace
+
+bool gather_layout(const DistributedMesh &common, const SlabMesh &slab, std::size_t s, Gathered &gathered,
+                   Findings &findings) {
+  gathered.attribute_names.push_back(hash_of_names(slab));
+  if (const std::string fault = fault_of_slab(common, slab, s); !fault.empty()) {
+    findings.add(ViolationKind::layout, [&] { return fmt::format("slab {} {}", s, fault); });
+    gathered.is_sound = false;
+    return false;
+  }
+  findings.counts.sites += slab.own_count;
+  findings.counts.ghosts += static_cast<GlobalIndex>(slab.ghost_number.size());
+  findings.counts.triangles += slab.triangles.triangle_count();
+  gathered.left_paths.push_back(slab.left_path);
+  const bool finite = check_coordinates(slab, s, findings);
+  gathered.is_finite = gathered.is_finite && finite;
+  return finite;
+}
+
+bool check_soundness(const Communicator &comm, const DistributedMesh &common, const Gathered &gathered,
+                     Findings &findings) {
+  std::uint64_t lowest = ~std::uint64_t{0};
+  for (const std::uint64_t names : gathered.attribute_names)
+    lowest = std::min(lowest, names);
+  lowest = all_reduce_min(comm, lowest);
+  bool alike = true;
+  for (std::size_t k = 0; k < gathered.attribute_names.size(); ++k)
+    if (gathered.attribute_names[k] != lowest) {
+      alike = false;
+      findings.add(ViolationKind::layout, [&] {
+        return fmt::format("slab {} has other attributes than others", at(common.first_slab) + k);
+      });
+    }
+  if (!all_of_ranks(comm, gathered.is_sound && alike))
+    findings.keep_only({ViolationKind::layout});
+  else if (!all_of_ranks(comm, gathered.is_finite))
+    findings.keep_only({ViolationKind::layout, ViolationKind::coordinate});
+  else
+    return true;
+  return false;
 }
 
 namespace {
@@ -212,97 +240,111 @@ void check_lines(const DistributedMesh &mesh, const SlabMesh &slab, Findings &fi
 
 } // namespace
 
-void check_order_and_lines(const Communicator &comm, const DistributedMesh &mesh, Findings &findings) {
-  const TotalOrder less{mesh.axis};
-  std::optional<Point> last;
-  std::optional<Point> first;
-  const auto check = [&](Point before, Point p, GlobalIndex number) {
-    if (!less(before, p))
-      findings.add(ViolationKind::order, [&] {
-        return fmt::format("site {} {} does not come after site {} {}", number, text_of(p), number - 1,
-                           text_of(before));
-      });
-  };
-  for (const SlabMesh &slab : mesh.slabs) {
-    for (LocalIndex v = 0; v < slab.own_count; ++v) {
-      const Point p = point_of(slab, v);
-      if (last)
-        check(*last, p, slab.first_site + v);
-      else
-        first = p;
-      last = p;
-    }
-    check_lines(mesh, slab, findings);
+namespace {
+
+void check_ascent(const DistributedMesh &common, Point before, const SiteAt &site, Findings &findings) {
+  if (!TotalOrder{common.axis}(before, site.point))
+    findings.add(ViolationKind::order, [&] {
+      return fmt::format("site {} {} does not come after site {} {}", site.number, text_of(site.point),
+                         site.number - 1, text_of(before));
+    });
+}
+
+} // namespace
+
+void gather_order(const DistributedMesh &common, const SlabMesh &slab, Gathered &gathered,
+                  Findings &findings) {
+  for (LocalIndex v = 0; v < slab.own_count; ++v) {
+    const SiteAt site{slab.first_site + v, point_of(slab, v)};
+    if (gathered.last_site)
+      check_ascent(common, gathered.last_site->point, site, findings);
+    else
+      gathered.first_site = site;
+    gathered.last_site = site;
   }
-  struct Ends {
-    Point first, last;
+  check_lines(common, slab, findings);
+}
+
+void check_order_across_ranks(const Communicator &comm, const DistributedMesh &common,
+                              const Gathered &gathered, Findings &findings) {
+  struct Last {
+    Point point;
     std::int64_t any;
   };
-  const auto all = all_gather(
-      comm, Ends{first.value_or(Point{0, 0}), last.value_or(Point{0, 0}), first.has_value() ? 1 : 0});
-  for (int rank = comm.rank() - 1; rank >= 0 && first; --rank)
+  const auto all =
+      all_gather(comm, gathered.last_site ? Last{gathered.last_site->point, 1} : Last{{0, 0}, 0});
+  for (int rank = comm.rank() - 1; rank >= 0 && gathered.first_site; --rank)
     if (all[at(rank)].any != 0) {
-      const auto owner = std::ranges::find_if(mesh.slabs, [](const SlabMesh &s) { return s.own_count > 0; });
-      check(all[at(rank)].last, *first, owner->first_site);
+      check_ascent(common, all[at(rank)].point, *gathered.first_site, findings);
       break;
     }
 }
 
 namespace {
 
-/// Local: all sites are between the first and the last site of all, and on all paths that must have them.
-void check_on_line(const DistributedMesh &mesh, Point first, Point last, Findings &findings) {
-  // Sites on a line parallel to the cuts' normal have one-site paths, the nearest to each line; of all others
-  // every split line meets every cell.
-  const bool single = along(first, mesh.axis) == along(last, mesh.axis);
-  const bool descending = along(first, mesh.axis) > along(last, mesh.axis);
-  int s = mesh.first_slab;
-  for (const SlabMesh &slab : mesh.slabs) {
-    for (LocalIndex v = 0; v < slab.own_count; ++v)
-      if (exact::orientation(first, last, point_of(slab, v)) != Sign::zero)
-        findings.add(ViolationKind::collinear, [&] {
-          return fmt::format("there are no triangles, but site {} {} is not on the line of sites 0 and {}",
-                             slab.first_site + v, text_of(point_of(slab, v)), mesh.site_count() - 1);
-        });
-    std::vector<GlobalIndex> expected(at(single ? 1 : mesh.site_count()));
-    std::iota(expected.begin(), expected.end(), single ? std::max<GlobalIndex>(slab.first_site - 1, 0) : 0);
-    if (descending)
-      std::reverse(expected.begin(), expected.end());
-    if (s > 0 && slab.left_path != expected)
-      findings.add(ViolationKind::path, [&] {
-        return fmt::format("slab {}: the path of collinear sites has {} sites where {} must be, or others", s,
-                           slab.left_path.size(), expected.size());
+/// Local: all own sites of a slab are between the first and the last site of all.
+void check_on_line(const DistributedMesh &common, const PointTable &vertices, std::size_t s, Point first,
+                   Point last, Findings &findings) {
+  for (GlobalIndex v = common.site_offsets[s]; v < common.site_offsets[s + 1]; ++v) {
+    const Point p = vertices.points[at(v - common.site_offsets[s])];
+    if (exact::orientation(first, last, p) != Sign::zero)
+      findings.add(ViolationKind::collinear, [&] {
+        return fmt::format("there are no triangles, but site {} {} is not on the line of sites 0 and {}", v,
+                           text_of(p), common.site_count() - 1);
       });
-    if (s > 0)
-      findings.counts.path_edges += static_cast<GlobalIndex>(expected.size()) - 1;
-    ++s;
   }
+}
+
+/// Local. Sites on a line parallel to the cuts' normal have one-site paths, the nearest to each line; of all
+/// others every split line meets every cell.
+void check_path_on_line(const DistributedMesh &common, std::size_t s, Point first, Point last,
+                        const std::vector<GlobalIndex> &path, Findings &findings) {
+  const bool single = along(first, common.axis) == along(last, common.axis);
+  const bool descending = along(first, common.axis) > along(last, common.axis);
+  std::vector<GlobalIndex> expected(at(single ? 1 : common.site_count()));
+  std::iota(expected.begin(), expected.end(),
+            single ? std::max<GlobalIndex>(common.site_offsets[s] - 1, 0) : 0);
+  if (descending)
+    std::reverse(expected.begin(), expected.end());
+  if (path != expected)
+    findings.add(ViolationKind::path, [&] {
+      return fmt::format("slab {}: the path of collinear sites has {} sites where {} must be, or others", s,
+                         path.size(), expected.size());
+    });
+  findings.counts.path_edges += static_cast<GlobalIndex>(expected.size()) - 1;
 }
 
 } // namespace
 
-void check_collinear(const Communicator &comm, const DistributedMesh &mesh, Findings &findings) {
-  if (mesh.hull_edges != 0 && comm.is_root())
+void check_collinear(const Communicator &comm, SlabSource &source, const Gathered &gathered,
+                     Findings &findings) {
+  const DistributedMesh &common = source.common();
+  if (common.hull_edges != 0 && comm.is_root())
     findings.add(ViolationKind::hull,
-                 [&] { return fmt::format("{} hull edges of no triangles", mesh.hull_edges); });
-  if (mesh.site_count() == 0)
+                 [&] { return fmt::format("{} hull edges of no triangles", common.hull_edges); });
+  if (common.site_count() == 0)
     return;
   // The first and the last site of all.
   std::vector<double> ends(4, -std::numeric_limits<double>::infinity());
-  for (const SlabMesh &slab : mesh.slabs) {
-    if (slab.own_count > 0 && slab.first_site == 0) {
-      ends[0] = point_of(slab, 0).x;
-      ends[1] = point_of(slab, 0).y;
-    }
-    if (slab.own_count > 0 && slab.first_site + slab.own_count == mesh.site_count()) {
-      ends[2] = point_of(slab, slab.own_count - 1).x;
-      ends[3] = point_of(slab, slab.own_count - 1).y;
-    }
+  if (gathered.first_site && gathered.first_site->number == 0) {
+    ends[0] = gathered.first_site->point.x;
+    ends[1] = gathered.first_site->point.y;
+  }
+  if (gathered.last_site && gathered.last_site->number == common.site_count() - 1) {
+    ends[2] = gathered.last_site->point.x;
+    ends[3] = gathered.last_site->point.y;
   }
   ends = all_reduce_max(comm, ends);
   const Point first{ends[0], ends[1]};
   const Point last{ends[2], ends[3]};
-  collectively(comm, checking_text, [&] { check_on_line(mesh, first, last, findings); });
+  collectively(comm, checking_text, [&] {
+    for (int k = 0; k < source.own_slab_count(); ++k) {
+      const std::size_t s = at(common.first_slab + k);
+      check_on_line(common, source.vertices(k), s, first, last, findings);
+      if (s > 0)
+        check_path_on_line(common, s, first, last, gathered.left_paths[at(k)], findings);
+    }
+  });
 }
 
 } // namespace dovetail::validation

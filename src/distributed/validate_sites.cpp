@@ -10,15 +10,6 @@
 namespace dovetail::validation {
 namespace {
 
-/// A ghost, told to the owner of its site.
-struct GhostNotice {
-  GlobalIndex number;
-  Point point;
-  GlobalIndex input_index;
-  std::uint64_t attributes; ///< hash of their bits
-  std::int64_t slab;        ///< that has the ghost
-};
-
 std::uint64_t hash_of_attributes(const PointTable &table, std::size_t v) {
   std::uint64_t hash = 0;
   for (const Attribute &attribute : table.attributes) {
@@ -56,95 +47,78 @@ void check_ghost(const SlabMesh &slab, const GhostNotice &ghost, Findings &findi
     });
 }
 
-/// Marks the own sites of every slab that its triangles use, and tells of its ghosts.
-std::vector<GhostNotice> ghost_notices(const DistributedMesh &mesh, std::vector<std::vector<bool>> &used,
-                                       Findings &findings) {
+/// Local. Those with a number that no site has are left for gather_layout to complain of.
+std::vector<GhostNotice> ghost_notices(SlabSource &source) {
+  const DistributedMesh &common = source.common();
   std::vector<GhostNotice> told;
-  int s = mesh.first_slab;
-  for (const SlabMesh &slab : mesh.slabs) {
-    used.push_back(used_vertices(slab));
-    for (std::size_t g = 0; g < slab.ghost_number.size(); ++g) {
-      const std::size_t v = at(slab.own_count) + g;
-      if (used.back()[v])
-        told.push_back({slab.ghost_number[g], slab.vertices.points[v], slab.vertices.input_index[v],
-                        hash_of_attributes(slab.vertices, v), s});
-      else
-        findings.add(ViolationKind::unused_site, [&] {
-          return fmt::format("slab {}: its ghost of site {} is in none of its triangles", s,
-                             slab.ghost_number[g]);
-        });
-    }
-    used.back().resize(at(slab.own_count));
-    ++s;
+  for (int k = 0; k < source.own_slab_count(); ++k) {
+    const SlabMesh ghosts = source.ghosts(k);
+    const PointTable &table = ghosts.vertices;
+    const auto is_short = [&](const auto &column) { return column.size() < ghosts.ghost_number.size(); };
+    if (is_short(table.points) || is_short(table.input_index) ||
+        std::ranges::any_of(table.attributes, [&](const Attribute &a) { return is_short(a.values); }))
+      continue;
+    for (std::size_t g = 0; g < ghosts.ghost_number.size(); ++g)
+      if (const GlobalIndex number = ghosts.ghost_number[g]; number >= 0 && number < common.site_count())
+        told.push_back({number, table.points[g], table.input_index[g], hash_of_attributes(table, g),
+                        common.first_slab + k});
   }
   return told;
 }
 
 } // namespace
 
-void check_ghosts_and_use(const Communicator &comm, const DistributedMesh &mesh, const Ownership &owners,
-                          Findings &findings) {
-  std::vector<std::vector<bool>> used;
-  const auto notices = deliver(
-      comm, [&] { return ghost_notices(mesh, used, findings); },
+std::vector<GhostNotice> ghosts_of_own_sites(const Communicator &comm, SlabSource &source,
+                                             const Ownership &owners) {
+  auto ghosts = deliver(
+      comm, [&] { return ghost_notices(source); },
       [&](const GhostNotice &ghost) { return owners.rank_of_site(ghost.number); });
-  for (const GhostNotice &ghost : notices) {
-    const std::size_t k = at(owners.slab_of_site(ghost.number) - mesh.first_slab);
-    check_ghost(mesh.slabs[k], ghost, findings);
-    used[k][at(ghost.number - mesh.slabs[k].first_site)] = true;
-  }
-  for (std::size_t k = 0; k < mesh.slabs.size(); ++k)
-    for (std::size_t v = 0; v < used[k].size(); ++v)
-      if (!used[k][v])
-        findings.add(ViolationKind::unused_site, [&] {
-          return fmt::format("site {} {} is in no triangle",
-                             mesh.slabs[k].first_site + static_cast<GlobalIndex>(v),
-                             text_of(mesh.slabs[k].vertices.points[v]));
-        });
+  std::ranges::sort(ghosts, {}, &GhostNotice::number);
+  return ghosts;
 }
 
-void check_checksum(const Communicator &comm, const DistributedMesh &mesh, Findings &findings) {
-  std::uint64_t sum = 0;
-  for (const SlabMesh &slab : mesh.slabs) {
-    const std::span<const Point> vertices = slab.vertices.points;
-    sum += checksum_of_sites(vertices.first(at(slab.own_count)));
-    sum += checksum_of_triangles(vertices, slab.triangles.corners);
+// A site without a triangle in its own slab is used where it is a ghost: a ghost that its slab does not use
+// is complained of there.
+void gather_sites(const SlabMesh &slab, int s, std::span<const GhostNotice> ghosts, Findings &findings) {
+  std::vector<bool> used = used_vertices(slab);
+  for (std::size_t g = 0; g < slab.ghost_number.size(); ++g)
+    if (!used[at(slab.own_count) + g])
+      findings.add(ViolationKind::unused_site, [&] {
+        return fmt::format("slab {}: its ghost of site {} is in none of its triangles", s,
+                           slab.ghost_number[g]);
+      });
+  const GlobalIndex end = slab.first_site + slab.own_count;
+  for (auto ghost = std::ranges::lower_bound(ghosts, slab.first_site, {}, &GhostNotice::number);
+       ghost != ghosts.end() && ghost->number < end; ++ghost) {
+    check_ghost(slab, *ghost, findings);
+    used[at(ghost->number - slab.first_site)] = true;
   }
-  findings.counts.checksum = all_reduce_sum(comm, sum);
-  if (findings.counts.checksum != mesh.checksum && comm.is_root())
-    findings.add(ViolationKind::checksum, [&] {
-      return fmt::format("the mesh says {}, and its sites and triangles have {}",
-                         checksum_text(mesh.checksum), checksum_text(findings.counts.checksum));
-    });
+  for (std::size_t v = 0; v < at(slab.own_count); ++v)
+    if (!used[v])
+      findings.add(ViolationKind::unused_site, [&] {
+        return fmt::format("site {} {} is in no triangle", slab.first_site + static_cast<GlobalIndex>(v),
+                           text_of(slab.vertices.points[v]));
+      });
 }
 
 namespace {
 
-const SlabMesh *slab_that_owns(const DistributedMesh &mesh, GlobalIndex site) {
-  for (const SlabMesh &slab : mesh.slabs)
-    if (site >= slab.first_site && site < slab.first_site + slab.own_count)
-      return &slab;
-  return nullptr;
+InputDigest digest_of_sites(const SlabMesh &slab) {
+  InputDigest digest{slab.own_count, 0};
+  const std::vector<double> *z = z_of(slab.vertices);
+  for (std::size_t v = 0; v < at(slab.own_count); ++v)
+    digest.hash += digest_of_point(slab.vertices.points[v], z ? (*z)[v] : 0.0, slab.vertices.input_index[v]);
+  return digest;
 }
 
-/// Local: the digest of own sites and duplicates.
-InputDigest digest_of(const DistributedMesh &mesh, Findings &findings) {
+InputDigest digest_of_duplicates(const SlabMesh &slab, std::span<const Duplicate> duplicates,
+                                 Findings &findings) {
   InputDigest digest;
-  for (const SlabMesh &slab : mesh.slabs) {
-    const std::vector<double> *z = z_of(slab.vertices);
-    for (std::size_t v = 0; v < at(slab.own_count); ++v)
-      digest.hash +=
-          digest_of_point(slab.vertices.points[v], z ? (*z)[v] : 0.0, slab.vertices.input_index[v]);
-    digest.points += slab.own_count;
-  }
-  const SlabMesh *slab = nullptr;
   const Duplicate *before = nullptr;
-  for (const Duplicate &entry : mesh.duplicates) {
-    if (slab == nullptr || entry.site < slab->first_site || entry.site >= slab->first_site + slab->own_count)
-      slab = slab_that_owns(mesh, entry.site);
-    if (slab == nullptr) {
+  for (const Duplicate &entry : duplicates) {
+    if (entry.site < slab.first_site || entry.site >= slab.first_site + slab.own_count) {
       findings.add(ViolationKind::duplicate, [&] {
-        return fmt::format("input point {} equals site {}, which is none of its rank's", entry.input_index,
+        return fmt::format("input point {} equals site {}, which is none of its slab's", entry.input_index,
                            entry.site);
       });
       continue;
@@ -156,7 +130,7 @@ InputDigest digest_of(const DistributedMesh &mesh, Findings &findings) {
                            entry.site);
       });
     before = &entry;
-    digest.hash += digest_of_point(point_of(*slab, static_cast<LocalIndex>(entry.site - slab->first_site)),
+    digest.hash += digest_of_point(point_of(slab, static_cast<LocalIndex>(entry.site - slab.first_site)),
                                    entry.z, entry.input_index);
     ++digest.points;
   }
@@ -165,16 +139,37 @@ InputDigest digest_of(const DistributedMesh &mesh, Findings &findings) {
 
 } // namespace
 
-void check_duplicates_and_digest(const Communicator &comm, const DistributedMesh &mesh, Findings &findings) {
-  findings.counts.duplicates = static_cast<GlobalIndex>(mesh.duplicates.size());
-  const InputDigest own = digest_of(mesh, findings);
-  const InputDigest all{all_reduce_sum(comm, own.points), all_reduce_sum(comm, own.hash)};
-  if ((all.points != mesh.digest.points || all.hash != mesh.digest.hash) && comm.is_root())
+void gather_sums(const SlabMesh &slab, std::span<const Duplicate> duplicates, Gathered &gathered,
+                 Findings &findings) {
+  const std::span<const Point> vertices = slab.vertices.points;
+  gathered.checksum += checksum_of_sites(vertices.first(at(slab.own_count)));
+  gathered.checksum += checksum_of_triangles(vertices, slab.triangles.corners);
+  for (const InputDigest &part : {digest_of_sites(slab), digest_of_duplicates(slab, duplicates, findings)}) {
+    gathered.digest.points += part.points;
+    gathered.digest.hash += part.hash;
+  }
+  findings.counts.duplicates += static_cast<GlobalIndex>(duplicates.size());
+}
+
+void check_sums(const Communicator &comm, const DistributedMesh &common, const Gathered &gathered,
+                Findings &findings) {
+  const std::uint64_t sum = all_reduce_sum(comm, gathered.checksum);
+  findings.counts.checksum = sum;
+  const InputDigest all{all_reduce_sum(comm, gathered.digest.points),
+                        all_reduce_sum(comm, gathered.digest.hash)};
+  if (!comm.is_root())
+    return;
+  if (sum != common.checksum)
+    findings.add(ViolationKind::checksum, [&] {
+      return fmt::format("the mesh says {}, and its sites and triangles have {}",
+                         checksum_text(common.checksum), checksum_text(sum));
+    });
+  if (all.points != common.digest.points || all.hash != common.digest.hash)
     findings.add(ViolationKind::digest, [&] {
       return fmt::format(
           "the mesh says it was made of {} points with digest {:016x}; its sites and duplicates "
           "are {} with digest {:016x}",
-          mesh.digest.points, mesh.digest.hash, all.points, all.hash);
+          common.digest.points, common.digest.hash, all.points, all.hash);
     });
 }
 

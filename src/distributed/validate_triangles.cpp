@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <tuple>
+
 namespace dovetail::validation {
 namespace {
 
@@ -61,100 +63,91 @@ void check_inner_side(const SlabMesh &slab, int s, LocalIndex side, bool oriente
 
 } // namespace
 
-void check_triangles(const DistributedMesh &mesh, Findings &findings, const Progress &progress) {
-  GlobalIndex all = 0;
-  for (const SlabMesh &slab : mesh.slabs)
-    all += slab.triangles.triangle_count();
-  constexpr GlobalIndex interval = 1 << 16;
-  GlobalIndex done = 0;
-  int s = mesh.first_slab;
-  for (const SlabMesh &slab : mesh.slabs) {
-    for (LocalIndex t = 0; t < slab.triangles.triangle_count(); ++t) {
-      if (++done % interval == 0)
-        report_progress(progress, "check", static_cast<double>(done) / static_cast<double>(all));
-      const LocalIndex *corners = &slab.triangles.corners[at(3 * t)];
-      const bool oriented = is_counter_clockwise(slab, t);
-      if (!oriented)
-        findings.add(ViolationKind::orientation,
-                     [&] { return place_of(slab, s, t) + ": is not counter-clockwise"; });
-      else if (!lies_in_slab(mesh, at(s), point_of(slab, corners[0]), point_of(slab, corners[1]),
-                             point_of(slab, corners[2])))
-        findings.add(ViolationKind::slab,
-                     [&] { return place_of(slab, s, t) + ": its circumcenter is outside the slab"; });
-      for (LocalIndex i = 0; i < 3; ++i)
-        check_inner_side(slab, s, 3 * t + i, oriented, findings);
-    }
-    ++s;
+void gather_triangles(const DistributedMesh &common, const SlabMesh &slab, int s, ProgressCount &done,
+                      Findings &findings) {
+  constexpr LocalIndex interval = 1 << 16;
+  const LocalIndex count = slab.triangles.triangle_count();
+  for (LocalIndex t = 0; t < count; ++t) {
+    if ((t + 1) % interval == 0)
+      done.add(interval);
+    const LocalIndex *corners = &slab.triangles.corners[at(3 * t)];
+    const bool oriented = is_counter_clockwise(slab, t);
+    if (!oriented)
+      findings.add(ViolationKind::orientation,
+                   [&] { return place_of(slab, s, t) + ": is not counter-clockwise"; });
+    else if (!lies_in_slab(common, at(s), point_of(slab, corners[0]), point_of(slab, corners[1]),
+                           point_of(slab, corners[2])))
+      findings.add(ViolationKind::slab,
+                   [&] { return place_of(slab, s, t) + ": its circumcenter is outside the slab"; });
+    for (LocalIndex i = 0; i < 3; ++i)
+      check_inner_side(slab, s, 3 * t + i, oriented, findings);
+  }
+  done.add(count % interval);
+}
+
+void gather_borders(const SlabMesh &slab, int s, Gathered &gathered) {
+  for (const BorderSide &border : slab.border_sides) {
+    const Side edge = side_of(slab, border.side);
+    const LocalIndex triangle = border.side / 3;
+    gathered.borders.push_back({slab.first_triangle + triangle, border.neighbour, number_of(slab, edge.from),
+                                number_of(slab, edge.to), number_of(slab, edge.apex),
+                                point_of(slab, edge.from), point_of(slab, edge.to), point_of(slab, edge.apex),
+                                s, is_counter_clockwise(slab, triangle) ? 1 : 0});
   }
 }
 
 namespace {
 
-/// What the triangle on one side of a border tells the one on the other.
-struct BorderNotice {
-  GlobalIndex triangle;  ///< that tells
-  GlobalIndex neighbour; ///< that is told
-  GlobalIndex from, to;  ///< the edge as the teller has it, in global site numbers
-  GlobalIndex apex;
-  Point apex_point;
-};
-
-std::vector<BorderNotice> border_notices(const DistributedMesh &mesh) {
-  std::vector<BorderNotice> notices;
-  for (const SlabMesh &slab : mesh.slabs)
-    for (const BorderSide &border : slab.border_sides) {
-      const Side edge = side_of(slab, border.side);
-      notices.push_back({slab.first_triangle + border.side / 3, border.neighbour, number_of(slab, edge.from),
-                         number_of(slab, edge.to), number_of(slab, edge.apex), point_of(slab, edge.apex)});
-    }
-  return notices;
+std::string place_of(const BorderNotice &notice) {
+  return fmt::format("slab {}, triangle {} (sites {}, {}, {})", notice.slab, notice.triangle, notice.from,
+                     notice.to, notice.apex);
 }
 
-bool lists_border(const SlabMesh &slab, LocalIndex side, GlobalIndex neighbour) {
-  const auto found = std::lower_bound(slab.border_sides.begin(), slab.border_sides.end(), side,
-                                      [](const BorderSide &border, LocalIndex s) { return border.side < s; });
-  return found != slab.border_sides.end() && found->side == side && found->neighbour == neighbour;
+/// What both notices of one edge between two triangles have in common.
+auto border_of(const BorderNotice &notice) {
+  return std::tuple(std::min(notice.triangle, notice.neighbour), std::max(notice.triangle, notice.neighbour),
+                    std::min(notice.from, notice.to), std::max(notice.from, notice.to));
 }
 
-/// Every border side is told to its neighbour. If the one that is told has the same edge the other way round
-/// with the teller beyond, for every notice, then adjacency is symmetric: each side of a border tells the
-/// other.
-void check_notice(const SlabMesh &slab, int s, const BorderNotice &notice, Findings &findings) {
-  const auto triangle = static_cast<LocalIndex>(notice.neighbour - slab.first_triangle);
-  LocalIndex side = none;
-  for (LocalIndex i = 3 * triangle; i < 3 * triangle + 3; ++i) {
-    const Side edge = side_of(slab, i);
-    if (number_of(slab, edge.from) == notice.to && number_of(slab, edge.to) == notice.from &&
-        lists_border(slab, i, notice.triangle))
-      side = i;
-  }
-  if (side == none) {
+/// The notices of one border edge: there must be two that answer each other. If they do for every edge, then
+/// adjacency is symmetric.
+void check_border(std::span<const BorderNotice> notices, Findings &findings) {
+  const BorderNotice &first = notices.front();
+  const BorderNotice &second = notices.back();
+  if (notices.size() != 2 || first.triangle != second.neighbour || first.from != second.to) {
     findings.add(ViolationKind::adjacency, [&] {
       return fmt::format(
-          "{}: does not answer triangle {}, which has it as neighbour across the border edge of "
-          "sites {} and {}",
-          place_of(slab, s, triangle), notice.triangle, notice.from, notice.to);
+          "{}: triangle {}, which it has as neighbour across the border edge of sites {} and {}, "
+          "does not answer",
+          place_of(first), first.neighbour, first.from, first.to);
     });
     return;
   }
-  if (notice.triangle < notice.neighbour)
-    return; // looked at from there
   ++findings.counts.inner_edges;
   ++findings.counts.border_edges;
-  if (is_counter_clockwise(slab, triangle) && !is_locally_delaunay(slab, triangle, notice.apex_point))
-    complain_of_edge(slab, s, triangle, notice.apex, notice.apex_point, findings);
+  if (first.oriented == 1 &&
+      !dovetail::is_locally_delaunay(first.from_point, first.to_point, first.apex_point, second.apex_point))
+    findings.add(ViolationKind::delaunay, [&] {
+      return fmt::format("{}: site {} {} beyond its edge is inside its circle", place_of(first), second.apex,
+                         text_of(second.apex_point));
+    });
 }
 
 } // namespace
 
-void check_borders(const Communicator &comm, const DistributedMesh &mesh, const Ownership &owners,
+/// Both sides of a border meet at the rank of the lower triangle.
+void check_borders(const Communicator &comm, const Ownership &owners, const Gathered &gathered,
                    Findings &findings) {
-  const auto received = deliver(
-      comm, [&] { return border_notices(mesh); },
-      [&](const BorderNotice &notice) { return owners.rank_of_triangle(notice.neighbour); });
-  for (const BorderNotice &notice : received) {
-    const int s = owners.slab_of_triangle(notice.neighbour);
-    check_notice(mesh.slabs[at(s - mesh.first_slab)], s, notice, findings);
+  auto notices = deliver(comm, gathered.borders, [&](const BorderNotice &notice) {
+    return owners.rank_of_triangle(std::min(notice.triangle, notice.neighbour));
+  });
+  std::ranges::sort(notices, {}, [](const BorderNotice &notice) {
+    return std::tuple_cat(border_of(notice), std::tuple(notice.triangle));
+  });
+  for (std::size_t begin = 0, end = 0; begin < notices.size(); begin = end) {
+    while (end < notices.size() && border_of(notices[end]) == border_of(notices[begin]))
+      ++end;
+    check_border(std::span(notices).subspan(begin, end - begin), findings);
   }
 }
 

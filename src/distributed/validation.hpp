@@ -5,11 +5,14 @@
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/comm/exchange.hpp"
 #include "dovetail/distributed/mesh.hpp"
+#include "dovetail/distributed/slab_source.hpp"
 #include "dovetail/distributed/validate.hpp"
 
 #include <algorithm>
 #include <concepts>
+#include <initializer_list>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +36,8 @@ public:
   bool any() const {
     return std::ranges::any_of(counts.violations_by_kind, [](GlobalIndex count) { return count > 0; });
   }
+  /// Forgets all violations of other kinds.
+  void keep_only(std::initializer_list<ViolationKind> kinds);
 
   ValidationReport counts; ///< this rank's share
 };
@@ -116,6 +121,19 @@ std::vector<T> deliver(const Communicator &comm, const std::vector<T> &items, Ra
       comm, [&]() -> const std::vector<T> & { return items; }, rank_of);
 }
 
+/// Calls visit(side) for every side of a slab's triangles with nothing beyond.
+template <class Visit> void for_each_hull_side(const SlabMesh &slab, Visit &&visit) {
+  auto border = slab.border_sides.begin();
+  for (std::size_t side = 0; side < slab.triangles.neighbours.size(); ++side) {
+    if (slab.triangles.neighbours[side] != none)
+      continue;
+    if (border != slab.border_sides.end() && at(border->side) == side)
+      ++border;
+    else
+      visit(static_cast<LocalIndex>(side));
+  }
+}
+
 /// Global number of a slab's vertex.
 inline GlobalIndex number_of(const SlabMesh &slab, LocalIndex v) {
   return v < slab.own_count ? slab.first_site + v : slab.ghost_number[at(v - slab.own_count)];
@@ -139,29 +157,107 @@ const std::vector<double> *z_of(const PointTable &table);
 /// "slab 3, triangle 12 (sites 4, 5, 6)", in global numbers.
 std::string place_of(const SlabMesh &slab, int s, LocalIndex triangle);
 
-// The parts. All but one are Collective and add to `findings`; those after the first need a sound layout.
+// What slabs have to say to each other. All of it is as short as borders, ghosts, hull and paths are.
 
-/// Returns the first slab of every rank and the number of slabs, or nothing, on all ranks alike, if array
-/// sizes and index ranges do not fit together.
-std::vector<int> check_layout(const Communicator &comm, const DistributedMesh &mesh, Findings &findings);
-/// False, on all ranks alike, if a coordinate is not finite: no predicate may see it.
-bool check_coordinates(const Communicator &comm, const DistributedMesh &mesh, Findings &findings);
-void check_order_and_lines(const Communicator &comm, const DistributedMesh &mesh, Findings &findings);
-/// Local. Every triangle's orientation and slab, every inner edge but those on borders.
-void check_triangles(const DistributedMesh &mesh, Findings &findings, const Progress &progress);
-void check_borders(const Communicator &comm, const DistributedMesh &mesh, const Ownership &owners,
+/// The triangle on one side of a border, as it sees the border.
+struct BorderNotice {
+  GlobalIndex triangle;  ///< that tells
+  GlobalIndex neighbour; ///< that it names
+  GlobalIndex from, to;  ///< the edge as the teller has it, in global site numbers
+  GlobalIndex apex;
+  Point from_point, to_point, apex_point;
+  std::int64_t slab;     ///< of the teller
+  std::int64_t oriented; ///< 1: the teller is counter-clockwise
+};
+
+/// A ghost, told to the owner of its site.
+struct GhostNotice {
+  GlobalIndex number;
+  Point point;
+  GlobalIndex input_index;
+  std::uint64_t attributes; ///< hash of their bits
+  std::int64_t slab;        ///< that has the ghost
+};
+
+/// One end of a hull edge, told to the owner of the site there.
+struct HullNotice {
+  GlobalIndex site;
+  GlobalIndex other;
+  Point site_point, other_point;
+  std::int64_t leaves; ///< 1: the edge goes from site to other; 0: from other to site
+};
+
+/// An edge that the path of a line must have, upwards along the line.
+struct PathNotice {
+  std::int64_t slab; ///< right of the line
+  GlobalIndex from, to;
+  friend auto operator<=>(const PathNotice &, const PathNotice &) = default;
+};
+
+/// A site and where it is.
+struct SiteAt {
+  GlobalIndex number;
+  Point point;
+};
+
+/// What one reading of all slabs of a rank leaves behind.
+struct Gathered {
+  std::vector<BorderNotice> borders;
+  std::vector<HullNotice> hull;
+  std::vector<PathNotice> path_edges;
+  std::vector<std::vector<GlobalIndex>> left_paths; ///< one an own slab
+  std::optional<SiteAt> first_site, last_site;      ///< of the rank
+  std::vector<std::uint64_t> attribute_names;       ///< one hash an own slab
+  std::uint64_t checksum = 0;
+  InputDigest digest;    ///< of sites and duplicates
+  bool is_sound = true;  ///< array sizes and index ranges fit together
+  bool is_finite = true; ///< all coordinates
+};
+
+// The parts. Those named gather_ look at one slab and are Local; the others are Collective, and but for the
+// first need slabs that are sound and finite on all ranks. All add to `findings`.
+
+/// Returns the first slab of every rank and the number of slabs, or nothing, on all ranks alike, if what all
+/// ranks share does not fit together.
+std::vector<int> check_common(const Communicator &comm, const SlabSource &source, Findings &findings);
+/// True if array sizes and index ranges of slab s fit together and its coordinates are finite: nothing else
+/// may look at it otherwise.
+bool gather_layout(const DistributedMesh &common, const SlabMesh &slab, std::size_t s, Gathered &gathered,
                    Findings &findings);
-void check_hull(const Communicator &comm, const DistributedMesh &mesh, const Ownership &owners,
-                Findings &findings);
-void check_ghosts_and_use(const Communicator &comm, const DistributedMesh &mesh, const Ownership &owners,
-                          Findings &findings);
-void check_paths(const Communicator &comm, const DistributedMesh &mesh, const Ownership &owners,
+/// The order of own sites, also against those of the slab before on this rank, and lines.
+void gather_order(const DistributedMesh &common, const SlabMesh &slab, Gathered &gathered,
+                  Findings &findings);
+/// Every triangle's orientation and slab, every inner edge but those on borders.
+void gather_triangles(const DistributedMesh &common, const SlabMesh &slab, int s, ProgressCount &done,
+                      Findings &findings);
+void gather_borders(const SlabMesh &slab, int s, Gathered &gathered);
+void gather_hull(const SlabMesh &slab, Gathered &gathered, Findings &findings);
+void gather_paths(const DistributedMesh &common, const SlabMesh &slab, int s, const Ownership &owners,
+                  Gathered &gathered);
+/// `ghosts`: what others say of sites, all that arrived here.
+void gather_sites(const SlabMesh &slab, int s, std::span<const GhostNotice> ghosts, Findings &findings);
+void gather_sums(const SlabMesh &slab, std::span<const Duplicate> duplicates, Gathered &gathered,
                  Findings &findings);
+
+/// All ghosts of all ranks, told to the owners of their sites; by ascending number.
+std::vector<GhostNotice> ghosts_of_own_sites(const Communicator &comm, SlabSource &source,
+                                             const Ownership &owners);
+/// Whether what was gathered can be relied on, on all ranks alike.
+bool check_soundness(const Communicator &comm, const DistributedMesh &common, const Gathered &gathered,
+                     Findings &findings);
+void check_order_across_ranks(const Communicator &comm, const DistributedMesh &common,
+                              const Gathered &gathered, Findings &findings);
+void check_borders(const Communicator &comm, const Ownership &owners, const Gathered &gathered,
+                   Findings &findings);
+void check_hull(const Communicator &comm, const DistributedMesh &common, const Ownership &owners,
+                const Gathered &gathered, Findings &findings);
+void check_paths(const Communicator &comm, const DistributedMesh &common, const Ownership &owners,
+                 const Gathered &gathered, Findings &findings);
 /// In place of triangles, borders, hull: there are none.
-void check_collinear(const Communicator &comm, const DistributedMesh &mesh, Findings &findings);
-void check_checksum(const Communicator &comm, const DistributedMesh &mesh, Findings &findings);
-void check_duplicates_and_digest(const Communicator &comm, const DistributedMesh &mesh, Findings &findings);
-void check_input(const Communicator &comm, const DistributedMesh &mesh, const PointTable &points,
-                 Findings &findings);
+void check_collinear(const Communicator &comm, SlabSource &source, const Gathered &gathered,
+                     Findings &findings);
+void check_sums(const Communicator &comm, const DistributedMesh &common, const Gathered &gathered,
+                Findings &findings);
+void check_input(const Communicator &comm, SlabSource &source, const PointTable &points, Findings &findings);
 
 } // namespace dovetail::validation

@@ -56,6 +56,10 @@ std::string without_extension(const std::string &path) {
   return path.substr(0, path.size() - std::filesystem::path(path).extension().string().size());
 }
 
+std::unique_ptr<SlabSink> mesh_sink(const std::string &path, const MeshWriting &writing) {
+  return format_of(path).write == write_vtkhdf ? stream_vtkhdf(path, writing) : nullptr;
+}
+
 std::vector<std::string> mesh_files(const std::string &path) {
   const Format &format = format_of(path);
   return format.files == nullptr ? std::vector{path} : format.files(path);

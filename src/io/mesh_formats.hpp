@@ -19,6 +19,8 @@ MeshWriter write_ply;
 MeshWriter write_msh;
 MeshWriter write_triangle_files;
 
+std::unique_ptr<SlabSink> stream_vtkhdf(const std::string &path, const MeshWriting &writing);
+
 /// The name without its extension, for formats of several files.
 std::string without_extension(const std::string &path);
 

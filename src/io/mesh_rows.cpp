@@ -59,6 +59,16 @@ void make_room(const Communicator &comm, const OutputFile &file, std::int64_t by
   });
 }
 
+ProgressCount count_of_rank(const MeshOutline &outline, const MeshWriting &writing, std::int64_t bytes) {
+  const DistributedMesh &mesh = outline.mesh;
+  const std::size_t begin = at(mesh.first_slab), end = begin + at(outline.own_slabs);
+  const GlobalIndex own = mesh.site_offsets[end] - mesh.site_offsets[begin] + mesh.triangle_offsets[end] -
+                          mesh.triangle_offsets[begin];
+  const GlobalIndex all = std::max<GlobalIndex>(1, mesh.site_count() + mesh.triangle_count());
+  return {writing.progress, "write",
+          static_cast<double>(bytes) * static_cast<double>(own) / static_cast<double>(all)};
+}
+
 ProgressCount count_of_rank(const DistributedMesh &mesh, const MeshWriting &writing, std::int64_t bytes) {
   GlobalIndex own = 0;
   for (const SlabMesh &slab : mesh.slabs)

@@ -3,6 +3,7 @@
 
 #include "dovetail/comm/communicator.hpp"
 #include "dovetail/distributed/mesh.hpp"
+#include "dovetail/distributed/slab_sink.hpp"
 #include "dovetail/io/little_endian.hpp"
 #include "dovetail/io/mesh.hpp"
 #include "dovetail/io/output_file.hpp"
@@ -34,6 +35,7 @@ void make_room(const Communicator &comm, const OutputFile &file, std::int64_t by
 
 /// Local. For the bytes of a file, or several, that this rank will write: of `bytes` in all about as large a
 /// part as its sites and triangles are of all.
+ProgressCount count_of_rank(const MeshOutline &outline, const MeshWriting &writing, std::int64_t bytes);
 ProgressCount count_of_rank(const DistributedMesh &mesh, const MeshWriting &writing, std::int64_t bytes);
 
 /// Local. The text at `offset`, on the first rank of `comm`; nothing on the others.

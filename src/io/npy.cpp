@@ -223,7 +223,17 @@ std::int64_t padding_bytes(const Field &field) {
   return is_padding && bytes > 0 && bytes <= longest_header ? bytes : 0;
 }
 
-bool is_control(char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }
+// Versions 1.0 and 2.0 are in Latin-1: every byte is a character of that number.
+std::string utf8_of_latin1(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if (code >= 0x80)
+      result += static_cast<char>(0xc0 | code >> 6);
+    result += code < 0x80 ? c : static_cast<char>(0x80 | (code & 0x3f));
+  }
+  return result;
+}
 
 // An array of records with named fields.
 void take_fields(PointFile &result, const InputFile &file, const ArrayHeader &header) {
@@ -245,8 +255,10 @@ void take_fields(PointFile &result, const InputFile &file, const ArrayHeader &he
                   fmt::format("the field '{}' is of type '{}', which cannot be carried", excerpt(field.name),
                               excerpt(field.type)),
                   "make it '<f8', or leave it out");
-    if (std::any_of(field.name.begin(), field.name.end(), is_control))
-      file.refuse(0, fmt::format("the name of the field '{}' has control characters", excerpt(field.name)),
+    if (!is_printable(field.name))
+      file.refuse(0,
+                  fmt::format("the name of the field '{}' is not UTF-8, or has control characters",
+                              excerpt(field.name)),
                   "rename the field with numpy.lib.recfunctions.rename_fields");
     result.columns.push_back({field.name, *type, result.record_bytes});
     result.record_bytes += bytes_of(*type);
@@ -304,8 +316,10 @@ PointFile read_npy_header(const InputFile &file) {
   result.file_bytes = file.bytes();
   result.first_byte = prefix + length;
   try {
-    const ArrayHeader header =
-        HeaderParser({reinterpret_cast<const char *>(bytes.data()), bytes.size()}).parse();
+    ArrayHeader header = HeaderParser({reinterpret_cast<const char *>(bytes.data()), bytes.size()}).parse();
+    if (major < 3)
+      for (Field &field : header.fields)
+        field.name = utf8_of_latin1(field.name);
     if (header.fields.empty())
       take_rows(result, file, header);
     else
@@ -322,14 +336,16 @@ namespace {
 
 std::string header_with(std::string dictionary) {
   constexpr std::size_t multiple = 64;
-  // Version 1.0 says its length in two bytes, 2.0 in four.
-  const bool is_short = dictionary.size() <= 0xffff - multiple;
+  // Version 1.0 says its length in two bytes, 2.0 in four; 3.0 is the one in UTF-8.
+  const bool is_ascii = std::none_of(dictionary.begin(), dictionary.end(),
+                                     [](char c) { return static_cast<unsigned char>(c) >= 0x80; });
+  const bool is_short = is_ascii && dictionary.size() <= 0xffff - multiple;
   const std::size_t prefix = is_short ? 10 : 12;
   const std::size_t used = prefix + dictionary.size() + 1;
   dictionary.append((multiple - used % multiple) % multiple, ' ');
   dictionary += '\n';
   std::string header(magic);
-  header += is_short ? '\x01' : '\x02';
+  header += !is_ascii ? '\x03' : is_short ? '\x01' : '\x02';
   header += '\0';
   for (std::size_t byte = 8; byte < prefix; ++byte)
     header += static_cast<char>((dictionary.size() >> (8 * (byte - 8))) & 0xff);

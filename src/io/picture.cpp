@@ -256,6 +256,15 @@ void check_options(const DistributedMesh &mesh, const std::string &path, bool sv
            fmt::format("let the name end in .png, which has no limit (of an SVG: {})", most_svg_triangles));
 }
 
+/// "x 0 to 12.5, y -3 to 7".
+std::string part_text(const Window &part) {
+  const auto range = [](double low, double high) {
+    const double step = (high - low) / 1000;
+    return number_text(low, step) + " to " + number_text(high, step);
+  };
+  return "x " + range(part.x0, part.x1) + ", y " + range(part.y0, part.y1);
+}
+
 Meaning meaning_of(const Communicator &comm, const DistributedMesh &mesh, const Window &window,
                    const PictureOptions &options) {
   Meaning meaning;
@@ -321,11 +330,12 @@ DrawnTriangle drawn_triangle(const Scene &scene, const SlabMesh &slab, LocalInde
         shaded(colour_at(scene.scale.position(mean_z(real))), brightness(gradient(real), scene.exaggeration));
     break;
   }
-  constexpr double least_room = 7; // pixels
+  constexpr double least_room = 5; // pixels
   const double size = std::sqrt(Corners{corners, {}}.doubled_area());
   const double unit = std::max(1.0, scene.layout.dot / 3.0);
-  if (size >= least_room)
-    drawn.edge_half_width = std::clamp(size * 0.025, 0.25, 0.6 * unit);
+  // Lines begin with no width, so that no border shows between where there are some and where there are none.
+  if (size > least_room)
+    drawn.edge_half_width = std::min((size - least_room) * 0.05, 0.6 * unit);
   return drawn;
 }
 
@@ -359,8 +369,10 @@ void write_picture(const Communicator &comm, const DistributedMesh &mesh, const 
       any_of_ranks(comm, std::any_of(mesh.slabs.begin(), mesh.slabs.end(),
                                      [](const auto &slab) { return picture::z_of(slab) != nullptr; }));
   picture::check_options(mesh, path, extension == ".svg", has_z, options);
-  const Window window = picture::window_of(picture::box_of(comm, mesh), options);
-  const picture::Meaning meaning = picture::meaning_of(comm, mesh, window, options);
+  const std::optional<Window> box = picture::box_of(comm, mesh);
+  const Window window = picture::window_of(box, options);
+  picture::Meaning meaning = picture::meaning_of(comm, mesh, window, options);
+  meaning.part = picture::part_text(options.window ? *options.window : *box);
   picture::Scene scene{mesh, options, picture::lay_out(meaning, window, options.width), meaning.scale, 1, {}};
   if (options.colouring == Colouring::elevation)
     scene.exaggeration = picture::exaggeration_of(comm, mesh, window);

@@ -13,7 +13,6 @@ namespace {
 
 constexpr int narrowest_with_text = 280;
 constexpr int letters_across = 88; // at least, so that titles and legends fit
-constexpr std::size_t slabs_named = 8;
 
 int text_width(const std::string &text, int dot) {
   return static_cast<int>(text.size()) * letter_advance * dot - dot;
@@ -48,6 +47,12 @@ public:
     layout_.texts.push_back({room_.x + x_ + 2 * letter + 4 * dot, y_, text});
     x_ += width;
   }
+  /// A line of text alone.
+  void remark(const std::string &text) {
+    next_line();
+    layout_.texts.push_back({room_.x, y_, text});
+    y_ += 12 * layout_.dot;
+  }
   void next_line() {
     if (x_ > 0)
       y_ += 12 * layout_.dot;
@@ -56,14 +61,15 @@ public:
 
   void scale(const Meaning &meaning) {
     const int dot = layout_.dot;
-    layout_.texts.push_back({room_.x, y_, meaning.name});
-    y_ += 12 * dot;
+    remark(meaning.name);
     const Box bar{room_.x, y_, room_.width, 9 * dot};
     for (int x = 0; x < bar.width; ++x)
       layout_.swatches.push_back({{bar.x + x, bar.y, 1, bar.height}, colour_at((x + 0.5) / bar.width)});
     int free = room_.x;
-    for (const double tick : ticks_of(meaning.scale)) {
-      const std::string text = fmt::format("{:.6g}", tick);
+    const std::vector<double> ticks = ticks_of(meaning.scale);
+    for (const double tick : ticks) {
+      const std::string text =
+          meaning.scale.logarithmic ? fmt::format("{:.6g}", tick) : number_text(tick, ticks[1] - ticks[0]);
       const int x = bar.x + static_cast<int>(meaning.scale.position(tick) * (bar.width - 1));
       const int begin = std::clamp(x - text_width(text, dot) / 2, room_.x,
                                    std::max(room_.x, room_.x + room_.width - text_width(text, dot)));
@@ -88,14 +94,44 @@ private:
   int y_;
 };
 
+// Neighbours differ in lightness as well as in hue, so they are told apart without one of the receptors.
+constexpr std::array<Colour, 6> slab_colours{
+    {{98, 155, 205}, {242, 218, 120}, {72, 160, 140}, {248, 180, 170}, {110, 110, 170}, {200, 215, 225}}};
+
 void add_slabs(Legend &legend, const std::vector<GlobalIndex> &sites, int dot) {
-  const std::size_t named = sites.size() > slabs_named ? slabs_named - 1 : sites.size();
+  const std::size_t named = std::min(sites.size(), slab_colours.size());
   for (std::size_t s = 0; s < named; ++s)
     legend.entry(colour_of_slab(static_cast<int>(s)), 7 * dot,
                  fmt::format("slab {}: {}", s, counted(sites[s], "site")));
   if (named < sites.size())
-    legend.entry(paper, 7 * dot, fmt::format("and {} more slabs", sites.size() - named));
+    legend.remark(counted(static_cast<GlobalIndex>(sites.size() - named), "more slab") +
+                  " in the same colours again");
   legend.next_line();
+}
+
+void draw_text(const Layout &layout, const Text &text, int first_row, int rows, std::vector<Colour> &pixels) {
+  const int dot = layout.dot;
+  const int begin = std::max(first_row, text.y - dot);
+  const int end = std::min(first_row + rows, text.y + (glyph_height + 1) * dot);
+  if (begin >= end)
+    return;
+  PixelBand band(begin, end - begin, 0, layout.width);
+  int left = text.x;
+  for (const char letter : text.text) {
+    for_each_stroke(letter, [&](Dot from, Dot to) {
+      const auto middle = [&](Dot at) {
+        return Point{left + (at.column + 0.5) * dot, text.y + (at.row + 0.5) * dot};
+      };
+      draw_segment(band, middle(from), middle(to), 0.5 * dot, LineLayer::paths);
+    });
+    left += letter_advance * dot;
+  }
+  const std::array<Ink, line_layers> inks{{{paper, 0}, {paper, 0}, {paper, 0}, {text_colour, 255}}};
+  for (int row = begin; row < end; ++row)
+    for (int column = 0; column < layout.width; ++column)
+      if (const PixelSum &sum = band.row(row)[column]; !sum.is_empty())
+        pixels[static_cast<std::size_t>(row - first_row) * static_cast<std::size_t>(layout.width) +
+               static_cast<std::size_t>(column)] = resolve(sum, paper, inks);
 }
 
 } // namespace
@@ -107,6 +143,20 @@ std::string counted(GlobalIndex number, const char *name) {
     digits.insert(end, 1, ',');
   }
   return fmt::format("{} {}{}", digits, name, number == 1 ? "" : "s");
+}
+
+std::string number_text(double number, double step) {
+  constexpr double largest = 1e12;
+  constexpr int most_decimals = 9;
+  const double digits = std::ceil(-std::log10(step) - 1e-6);
+  if (!(std::abs(number) < largest) || !(digits <= most_decimals))
+    return fmt::format("{:.6g}", number);
+  std::string text = fmt::format("{:.{}f}", number, static_cast<int>(std::max(0.0, digits)));
+  if (text.find('.') != std::string::npos)
+    text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.')
+    text.pop_back();
+  return text;
 }
 
 double Scale::position(double value) const {
@@ -134,24 +184,23 @@ Colour colour_at(double position) {
   return {channel(0), channel(1), channel(2)};
 }
 
-Colour colour_of_slab(int slab) {
-  // Neighbours differ in lightness as well as in hue, so they are told apart without one of the receptors.
-  constexpr std::array<Colour, 6> colours{
-      {{98, 155, 205}, {242, 218, 120}, {72, 160, 140}, {248, 180, 170}, {110, 110, 170}, {200, 215, 225}}};
-  return colours[static_cast<std::size_t>(slab) % colours.size()];
-}
+Colour colour_of_slab(int slab) { return slab_colours[static_cast<std::size_t>(slab) % slab_colours.size()]; }
 
 std::vector<double> ticks_of(const Scale &scale) {
   std::vector<double> ticks;
   if (scale.logarithmic) {
     const int first = static_cast<int>(std::ceil(std::log10(scale.low) - 1e-9));
     const int last = static_cast<int>(std::floor(std::log10(scale.high) + 1e-9));
-    const int step = std::max(1, (last - first + 5) / 6);
-    for (int exponent = first; exponent <= last; exponent += step)
-      ticks.push_back(std::pow(10.0, exponent));
-    if (ticks.size() >= 2)
+    if (last - first >= 2) {
+      for (int exponent = first; exponent <= last; exponent += (last - first + 5) / 6)
+        ticks.push_back(std::pow(10.0, exponent));
       return ticks;
-    return {scale.low, scale.high};
+    }
+    for (int exponent = first - 1; exponent <= last; ++exponent)
+      for (const double factor : {1.0, 2.0, 5.0})
+        if (const double tick = factor * std::pow(10.0, exponent); tick >= scale.low && tick <= scale.high)
+          ticks.push_back(tick);
+    return ticks.size() >= 2 ? ticks : std::vector{scale.low, scale.high};
   }
   const double span = scale.high - scale.low;
   double step = std::pow(10.0, std::floor(std::log10(span)));
@@ -163,7 +212,7 @@ std::vector<double> ticks_of(const Scale &scale) {
   for (double k = std::ceil(scale.low / step - 1e-9);
        k * step <= scale.high + 1e-9 * span && ticks.size() < 12; ++k)
     ticks.push_back(k * step + 0.0); // not -0
-  return ticks;
+  return ticks.size() >= 2 ? ticks : std::vector{scale.low, scale.high};
 }
 
 Layout lay_out(const Meaning &meaning, const Window &window, int width) {
@@ -176,7 +225,8 @@ Layout lay_out(const Meaning &meaning, const Window &window, int width) {
   Box room{margin, margin, width - 2 * margin, 0};
   if (has_text) {
     layout.texts.push_back({margin, margin, meaning.title});
-    room.y += 7 * dot + margin;
+    layout.texts.push_back({margin, margin + 12 * dot, meaning.part});
+    room.y += 19 * dot + margin;
   }
   layout.view = view_of(window, room);
   layout.height = room.y + layout.view.map.height + margin;
@@ -208,19 +258,8 @@ void draw_around(const Layout &layout, int first_row, int rows, std::vector<Colo
   };
   for (const Swatch &swatch : layout.swatches)
     fill(swatch.box, swatch.colour);
-  const int dot = layout.dot;
-  for (const Text &text : layout.texts) {
-    if (text.y >= first_row + rows || text.y + glyph_height * dot <= first_row)
-      continue;
-    int x = text.x;
-    for (const char letter : text.text) {
-      for (int row = 0; row < glyph_height; ++row)
-        for (int column = 0; column < glyph_width; ++column)
-          if (dot_of(letter, column, row))
-            fill({x + column * dot, text.y + row * dot, dot, dot}, text_colour);
-      x += letter_advance * dot;
-    }
-  }
+  for (const Text &text : layout.texts)
+    draw_text(layout, text, first_row, rows, pixels);
 }
 
 } // namespace dovetail::picture

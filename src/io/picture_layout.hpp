@@ -63,9 +63,13 @@ Colour colour_of_slab(int slab);
 /// "1,234 sites".
 std::string counted(GlobalIndex number, const char *name);
 
+/// With so many decimals, or fewer, that it is told from a number that is `step` away.
+std::string number_text(double number, double step);
+
 /// What the legend says.
 struct Meaning {
   std::string title;
+  std::string part;                    ///< of the plane, that is shown
   std::string name;                    ///< of the scale; empty for slabs
   Scale scale;                         ///< not for slabs
   std::vector<GlobalIndex> slab_sites; ///< for slabs
@@ -77,7 +81,7 @@ Layout lay_out(const Meaning &meaning, const Window &window, int width);
 /// The pixels of a box of the picture, row by row, with the swatches and texts that are in it.
 void draw_around(const Layout &layout, int first_row, int rows, std::vector<Colour> &pixels);
 
-/// Round numbers within a scale, nine or fewer.
+/// Round numbers within a scale, twelve or fewer; its ends, if there are no two.
 std::vector<double> ticks_of(const Scale &scale);
 
 } // namespace dovetail::picture

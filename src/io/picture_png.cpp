@@ -123,8 +123,8 @@ std::vector<Colour> add_up(const Scene &scene, Rows share, std::span<const Place
     band.row(pixel.row)[pixel.column - map.x].add(pixel.sum);
   const Colouring colouring = scene.options.colouring;
   const std::array<Ink, line_layers> inks{{{edge_colour(colouring), edge_weight(colouring)},
-                                           {hull_colour, 255},
                                            {paper, 255},
+                                           {hull_colour, 255},
                                            {path_colour, 255}}};
   std::vector<Colour> colours;
   colours.reserve(band.pixels.size());

@@ -125,18 +125,18 @@ void write_svg(const Communicator &comm, const Scene &scene, const std::string &
                                       colour_text(edge_colour(colouring)), edge_weight(colouring) / 255.0);
   });
   output.add([&] { return polygons(scene); });
-  output.add_from_root([&] {
-    return fmt::format("</g>\n<g stroke=\"{}\" stroke-width=\"{:.2f}\">\n", colour_text(hull_colour),
-                       2 * hull_half_width(layout));
-  });
-  output.add([&] { return scene.options.hull ? hull_lines(scene) : std::string(); });
-  for (const auto &[colour, half_width] :
-       {std::pair(paper, casing_half_width(layout)), std::pair(path_colour, path_half_width(layout))}) {
-    const std::string group = fmt::format("</g>\n<g fill=\"none\" stroke=\"{}\" stroke-width=\"{:.2f}\">\n",
-                                          colour_text(colour), 2 * half_width);
-    output.add_from_root([&]() -> std::string { return group; });
-    output.add([&] { return path_lines(scene); });
-  }
+  const auto add_lines = [&](Colour colour, double half_width, auto &&lines) {
+    output.add_from_root([&] {
+      return fmt::format("</g>\n<g fill=\"none\" stroke=\"{}\" stroke-width=\"{:.2f}\">\n",
+                         colour_text(colour), 2 * half_width);
+    });
+    output.add([&] { return lines(scene); });
+  };
+  // In the order of LineLayer.
+  add_lines(paper, casing_half_width(layout), path_lines);
+  if (scene.options.hull)
+    add_lines(hull_colour, hull_half_width(layout), hull_lines);
+  add_lines(path_colour, path_half_width(layout), path_lines);
   output.add_from_root([&] { return "</g>\n" + tail(layout); });
   file.commit();
 }

@@ -49,10 +49,7 @@ public:
         if (!reader_.next())
           return std::nullopt;
         rest_ = reader_.lines();
-        if (const std::size_t nul = rest_.find('\0'); nul != std::string_view::npos)
-          file_.refuse(reader_.offset() + static_cast<std::int64_t>(nul),
-                       "the file is not text: a byte is zero",
-                       "check what the file is; text must be ASCII or UTF-8");
+        refuse_what_is_no_text();
       }
       const std::string_view line = rest_.substr(0, rest_.find('\n') + 1);
       const std::int64_t offset = reader_.offset() + (line.data() - reader_.lines().data());
@@ -72,6 +69,18 @@ public:
   std::int64_t first_byte() const { return first_; }
 
 private:
+  void refuse_what_is_no_text() const {
+    if (const std::size_t nul = rest_.find('\0'); nul != std::string_view::npos)
+      file_.refuse(reader_.offset() + static_cast<std::int64_t>(nul), "the file is not text: a byte is zero",
+                   "check what the file is; text must be ASCII or UTF-8 (iconv -f UTF-16 makes it)");
+    // A file of one line, of names or a comment, would otherwise pass for one without points.
+    for (std::size_t at = rest_.find('\r'); at != std::string_view::npos; at = rest_.find('\r', at + 1))
+      if (rest_[at + 1] != '\n')
+        refuse_text(file_, reader_.offset() + static_cast<std::int64_t>(at),
+                    "a carriage return stands where no line ends",
+                    "make newlines of the carriage returns, for instance with tr '\\r' '\\n'");
+  }
+
   static bool starts_with_mark(const InputFile &file) {
     std::string start(std::min<std::size_t>(byte_order_mark.size(), static_cast<std::size_t>(file.bytes())),
                       ' ');
@@ -242,6 +251,12 @@ PointFile read_text_header(const InputFile &file) {
   if (result.fields < 2)
     refuse_text(file, (names ? *names : *line).offset, "the line has one column, and points need x and y",
                 "separate x and y by blanks, commas or semicolons; # begins a comment");
+  for (std::size_t field = 0; field < header.size(); ++field)
+    if (!is_printable(header[field]))
+      refuse_text(file, names->offset,
+                  fmt::format("the name of column {}, '{}', is not UTF-8, or has control characters",
+                              field + 1, excerpt(header[field])),
+                  "write it in letters of UTF-8, for instance with iconv -f ISO-8859-1 -t UTF-8");
   result.columns = columns_of(header, result.fields);
   if (!line)
     return result;

@@ -171,9 +171,13 @@ std::string quoted(const char *begin, char separator) {
 [[noreturn]] void refuse_field(const char *at, const LineLayout &layout, std::size_t field) {
   const std::string text = quoted(at, layout.separator);
   const bool decimal_comma = layout.separator != ',' && text.find(',') != std::string::npos &&
-                             text.find_first_not_of("0123456789,+-eE'") == std::string::npos;
+                             text.find_first_not_of("0123456789.,+-eE'") == std::string::npos;
+  const bool in_quotes = text.find('"') != std::string::npos;
+  const bool further = layout.fields[field] == FieldRole::attribute && layout.separator != ' ';
   throw Fault{at, fmt::format("{} is {}, which is not a number", name_of(layout, field), text),
               decimal_comma ? "write decimal points instead of decimal commas, for instance with tr , ."
+              : in_quotes   ? "write numbers without quotes, for instance with tr -d '\"'"
+              : further     ? "leave columns out that are not all numbers, for instance with cut"
                             : same_everywhere};
 }
 

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
 #include <span>
 
 namespace dovetail {
@@ -25,16 +26,19 @@ constexpr std::int64_t buffer_bytes = std::int64_t{8} << 20;
 
 template <class T> std::size_t at(T index) { return static_cast<std::size_t>(index); }
 
-/// Collective: `work` on every rank, and what HDF5 reports, as an Error about `path`.
+/// Local: `work`, and what HDF5 reports of it, as an Error about `path`.
+template <class Work> auto told_of(const std::string &path, Work &&work) {
+  const hdf5::Quiet quiet;
+  try {
+    return work();
+  } catch (const hdf5::Failure &failure) {
+    throw Error({ErrorKind::input, path, failure.place(), failure.what(), "make the mesh again"});
+  }
+}
+
+/// Collective: the same on every rank.
 template <class Work> auto collectively_on(const Communicator &comm, const std::string &path, Work &&work) {
-  return collectively(comm, [&] {
-    const hdf5::Quiet quiet;
-    try {
-      return work();
-    } catch (const hdf5::Failure &failure) {
-      throw Error({ErrorKind::input, path, failure.place(), failure.what(), "make the mesh again"});
-    }
-  });
+  return collectively(comm, [&] { return told_of(path, work); });
 }
 
 /// All long columns of a file, opened and found to have their full length.
@@ -97,6 +101,21 @@ public:
     const GlobalIndex first = extents.paths[at(s)];
     slab.left_path = rows<GlobalIndex>(columns_.paths, first, extents.paths[at(s) + 1] - first);
     return slab;
+  }
+
+  PointTable read_vertices_of(int s) const {
+    const std::vector<GlobalIndex> &vertices = header_.extents.vertices;
+    return table(vertices[at(s)], vertices[at(s) + 1] - vertices[at(s)]);
+  }
+
+  SlabMesh read_ghosts(int s) const {
+    const Extents &extents = header_.extents;
+    const GlobalIndex first = extents.vertices[at(s)] + extents.sites[at(s) + 1] - extents.sites[at(s)];
+    const GlobalIndex count = extents.vertices[at(s) + 1] - first;
+    SlabMesh ghosts;
+    ghosts.vertices = table(first, count);
+    ghosts.ghost_number = rows<GlobalIndex>(columns_.global_number, first, count);
+    return ghosts;
   }
 
   std::vector<Duplicate> read_duplicates(int first_slab, int end_slab) const {
@@ -169,7 +188,19 @@ private:
   void read_vertices(int s, SlabMesh &slab) const {
     const GlobalIndex first = header_.extents.vertices[at(s)];
     const GlobalIndex count = header_.extents.vertices[at(s) + 1] - first;
-    PointTable &table = slab.vertices;
+    slab.vertices = table(first, count);
+    expect<std::uint8_t>(columns_.ghost_type, first, count, [&](auto v) {
+      return v < slab.own_count ? std::uint8_t{0} : vtkhdf::duplicate_point;
+    });
+    expect<std::int64_t>(columns_.global_number, first, slab.own_count,
+                         [&](auto v) { return slab.first_site + v; });
+    slab.ghost_number =
+        rows<GlobalIndex>(columns_.global_number, first + slab.own_count, count - slab.own_count);
+  }
+
+  /// Rows first .. first + count - 1 of all vertices.
+  PointTable table(GlobalIndex first, GlobalIndex count) const {
+    PointTable table;
     table.points.resize(at(count));
     auto column = columns_.attributes.begin();
     double *z = nullptr;
@@ -190,13 +221,7 @@ private:
       }
     });
     table.input_index = rows<GlobalIndex>(columns_.input_index, first, count);
-    expect<std::uint8_t>(columns_.ghost_type, first, count, [&](auto v) {
-      return v < slab.own_count ? std::uint8_t{0} : vtkhdf::duplicate_point;
-    });
-    expect<std::int64_t>(columns_.global_number, first, slab.own_count,
-                         [&](auto v) { return slab.first_site + v; });
-    slab.ghost_number =
-        rows<GlobalIndex>(columns_.global_number, first + slab.own_count, count - slab.own_count);
+    return table;
   }
 
   void read_triangles(int s, SlabMesh &slab) const {
@@ -225,11 +250,8 @@ private:
   ProgressCount &done_;
 };
 
-/// Local.
-DistributedMesh read_slabs(const std::string &path, int rank, int ranks, const Progress &progress) {
-  const Reader reader(path);
-  const Header header = reader.read_header();
-  const int slabs = header.extents.slabs();
+/// What all ranks share of a mesh, and where the slabs of this rank begin.
+DistributedMesh common_of(const Header &header, int rank, int ranks) {
   DistributedMesh mesh;
   mesh.axis = header.axis;
   mesh.site_offsets = header.extents.sites;
@@ -240,10 +262,18 @@ DistributedMesh read_slabs(const std::string &path, int rank, int ranks, const P
   mesh.digest = header.digest;
   mesh.coordinate_system = header.coordinate_system;
   mesh.domain = header.domain;
+  mesh.first_slab = first_slab_of_rank(header.extents.slabs(), rank, ranks);
+  return mesh;
+}
+
+/// Local.
+DistributedMesh read_slabs(const std::string &path, int rank, int ranks, const Progress &progress) {
+  const Reader reader(path);
+  const Header header = reader.read_header();
+  DistributedMesh mesh = common_of(header, rank, ranks);
   if (mesh.domain)
     reader.read_sides(header, *mesh.domain);
-  mesh.first_slab = first_slab_of_rank(slabs, rank, ranks);
-  const int end = first_slab_of_rank(slabs, rank + 1, ranks);
+  const int end = first_slab_of_rank(header.extents.slabs(), rank + 1, ranks);
   ProgressCount done(progress, "read", numbers_of_slabs(header, mesh.first_slab, end));
   const SlabReader slab_reader(reader, header, done);
   for (int s = mesh.first_slab; s < end; ++s)
@@ -251,6 +281,47 @@ DistributedMesh read_slabs(const std::string &path, int rank, int ranks, const P
   mesh.duplicates = slab_reader.read_duplicates(mesh.first_slab, end);
   return mesh;
 }
+
+/// A file that stays open, and the slab that was asked for last.
+class MeshFile : public SlabSource {
+public:
+  MeshFile(const std::string &path, int rank, int ranks)
+      : path_(path), reader_(path), header_(reader_.read_header()), slab_reader_(reader_, header_, nobody_),
+        common_(common_of(header_, rank, ranks)),
+        end_slab_(first_slab_of_rank(header_.extents.slabs(), rank + 1, ranks)) {}
+
+  const DistributedMesh &common() const override { return common_; }
+  int own_slab_count() const override { return end_slab_ - common_.first_slab; }
+  const SlabMesh &slab(int k) override {
+    slab_ = {}; // two do not fit
+    slab_ = told_of(path_, [&] { return slab_reader_.read(common_.first_slab + k); });
+    return slab_;
+  }
+  const PointTable &vertices(int k) override {
+    slab_ = {};
+    slab_.vertices = told_of(path_, [&] { return slab_reader_.read_vertices_of(common_.first_slab + k); });
+    return slab_.vertices;
+  }
+  SlabMesh ghosts(int k) override {
+    return told_of(path_, [&] { return slab_reader_.read_ghosts(common_.first_slab + k); });
+  }
+  std::span<const Duplicate> duplicates(int k) override {
+    const int s = common_.first_slab + k;
+    duplicates_ = told_of(path_, [&] { return slab_reader_.read_duplicates(s, s + 1); });
+    return duplicates_;
+  }
+
+private:
+  std::string path_;
+  Reader reader_;
+  Header header_;
+  ProgressCount nobody_{{}, "read", 1}; ///< whoever asks for slabs knows best how far that is
+  SlabReader slab_reader_;
+  DistributedMesh common_;
+  int end_slab_;
+  SlabMesh slab_;
+  std::vector<Duplicate> duplicates_;
+};
 
 /// Smallest and largest coordinates, as a rank has seen them.
 struct Box {
@@ -281,6 +352,12 @@ Box read_box(const Reader &reader, const Header &header, int rank, int ranks) {
 
 DistributedMesh read_mesh(const Communicator &comm, const std::string &path, const Progress &progress) {
   return collectively_on(comm, path, [&] { return read_slabs(path, comm.rank(), comm.size(), progress); });
+}
+
+std::unique_ptr<SlabSource> open_mesh(const Communicator &comm, const std::string &path) {
+  return collectively_on(comm, path, [&]() -> std::unique_ptr<SlabSource> {
+    return std::make_unique<MeshFile>(path, comm.rank(), comm.size());
+  });
 }
 
 MeshDescription describe_mesh(const Communicator &comm, const std::string &path) {

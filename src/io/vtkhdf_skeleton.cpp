@@ -269,6 +269,22 @@ std::int64_t estimated_bytes(const DistributedMesh &mesh, const Extents &extents
   return bytes + metadata + 1024 * attributes;
 }
 
+void set_results(const std::string &path, std::uint64_t checksum, GlobalIndex hull_edges) {
+  const Handle access = hdf5::unlocked_access();
+  hdf5::check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_V18, H5F_LIBVER_V18), "cannot set the version");
+  Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, access.id()), H5Fclose, "cannot be opened again");
+  const auto set = [&](const char *name, hid_t type, const void *value) {
+    // Not H5Aopen_by_name: HDF5 1.10 does not find again what it has opened so, when it is to be written.
+    const Handle group(H5Gopen2(file.id(), own_group, H5P_DEFAULT), H5Gclose, "cannot be opened", own_group);
+    const Handle attribute(H5Aopen(group.id(), name, H5P_DEFAULT), H5Aclose, "cannot be opened", name);
+    hdf5::check(H5Awrite(attribute.id(), type, value), "cannot be written", name);
+  };
+  set("checksum", NumberType<std::uint64_t>::native(), &checksum);
+  set("hull_edges", NumberType<std::int64_t>::native(), &hull_edges);
+  hdf5::check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "cannot be written");
+  file.close("cannot be closed");
+}
+
 Skeleton make_skeleton(const std::string &path, const DistributedMesh &mesh, const Extents &extents,
                        const std::vector<std::string> &names) {
   const Handle access = hdf5::unlocked_access();

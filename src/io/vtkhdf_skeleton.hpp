@@ -26,4 +26,8 @@ struct Skeleton {
 Skeleton make_skeleton(const std::string &path, const DistributedMesh &mesh, const Extents &extents,
                        const std::vector<std::string> &names);
 
+/// Local. Sets what is known only when all triangles are; the bytes are then those of a skeleton that was
+/// made with it. Throws hdf5::Failure.
+void set_results(const std::string &path, std::uint64_t checksum, GlobalIndex hull_edges);
+
 } // namespace dovetail::vtkhdf

@@ -16,6 +16,7 @@
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/comm/exchange.hpp"
 #include "dovetail/comm/serialization.hpp"
+#include "dovetail/distributed/slab_sink.hpp"
 #include "dovetail/io/output_file.hpp"
 
 #include <boost/serialization/map.hpp>
@@ -23,7 +24,10 @@
 #include <algorithm>
 #include <cassert>
 #include <map>
+#include <memory>
+#include <optional>
 #include <span>
+#include <utility>
 
 namespace dovetail {
 namespace {
@@ -34,32 +38,52 @@ struct SlabSizes {
   GlobalIndex duplicates;
 };
 
-/// Collective.
-vtkhdf::Extents gather_extents(const Communicator &comm, const DistributedMesh &mesh) {
-  std::vector<SlabSizes> own;
-  auto duplicate = mesh.duplicates.begin();
+/// The duplicates of every slab's sites. A map out of order is still written whole.
+std::vector<std::span<const Duplicate>> duplicates_by_slab(const DistributedMesh &mesh) {
+  std::vector<std::span<const Duplicate>> pieces;
+  auto begin = mesh.duplicates.begin();
   for (const SlabMesh &slab : mesh.slabs) {
     const GlobalIndex end = slab.first_site + slab.own_count;
-    const auto next = std::find_if(duplicate, mesh.duplicates.end(),
-                                   [end](const Duplicate &entry) { return entry.site >= end; });
-    own.push_back({static_cast<GlobalIndex>(slab.vertices.points.size()),
-                   static_cast<GlobalIndex>(slab.left_path.size()), next - duplicate});
-    duplicate = next;
+    const auto next = pieces.size() + 1 == mesh.slabs.size()
+                          ? mesh.duplicates.end()
+                          : std::find_if(begin, mesh.duplicates.end(),
+                                         [end](const Duplicate &entry) { return entry.site >= end; });
+    pieces.emplace_back(begin, next);
+    begin = next;
   }
-  if (duplicate != mesh.duplicates.end() && !own.empty()) // a map out of order is still written whole
-    own.back().duplicates += mesh.duplicates.end() - duplicate;
+  return pieces;
+}
 
+/// Collective.
+MeshOutline outline_of(const Communicator &comm, const DistributedMesh &mesh) {
+  std::vector<SlabSizes> own;
+  const std::vector<std::span<const Duplicate>> duplicates = duplicates_by_slab(mesh);
+  for (std::size_t k = 0; k < mesh.slabs.size(); ++k)
+    own.push_back({std::ssize(mesh.slabs[k].vertices.points), std::ssize(mesh.slabs[k].left_path),
+                   std::ssize(duplicates[k])});
   const Exchanged<SlabSizes> all = all_gather_bulk<SlabSizes>(comm, own);
   assert(all.data.size() == at(mesh.slab_count()));
-  vtkhdf::Extents extents;
-  extents.sites = mesh.site_offsets;
-  extents.triangles = mesh.triangle_offsets;
+  MeshOutline outline;
+  outline.mesh.axis = mesh.axis;
+  outline.mesh.site_offsets = mesh.site_offsets;
+  outline.mesh.triangle_offsets = mesh.triangle_offsets;
+  outline.mesh.lines = mesh.lines;
+  outline.mesh.digest = mesh.digest;
+  outline.mesh.coordinate_system = mesh.coordinate_system;
+  outline.mesh.first_slab = mesh.first_slab;
+  outline.own_slabs = static_cast<int>(mesh.slabs.size());
+  outline.attribute_names = gather_attribute_names(comm, mesh);
   for (const SlabSizes &sizes : all.data) {
-    extents.vertices.push_back(extents.vertices.back() + sizes.vertices);
-    extents.paths.push_back(extents.paths.back() + sizes.path);
-    extents.duplicates.push_back(extents.duplicates.back() + sizes.duplicates);
+    outline.vertex_offsets.push_back(outline.vertex_offsets.back() + sizes.vertices);
+    outline.path_offsets.push_back(outline.path_offsets.back() + sizes.path);
+    outline.duplicate_offsets.push_back(outline.duplicate_offsets.back() + sizes.duplicates);
   }
-  return extents;
+  return outline;
+}
+
+vtkhdf::Extents extents_of(const MeshOutline &outline) {
+  return {outline.vertex_offsets, outline.mesh.site_offsets, outline.mesh.triangle_offsets,
+          outline.path_offsets, outline.duplicate_offsets};
 }
 
 /// Fills in the long columns of a file. Local.
@@ -82,6 +106,14 @@ public:
              [&](std::int64_t begin, std::int64_t end, T *out) {
                std::copy(values.begin() + begin, values.begin() + end, out);
              });
+  }
+
+  /// Writes number `column` of each of the rows from `first` on, of `width` numbers each.
+  void write_number_of_rows(const std::string &name, GlobalIndex first, int width, int column,
+                            const std::vector<double> &values) const {
+    for (std::size_t i = 0; i < values.size(); ++i)
+      write<double>(name, (first + static_cast<GlobalIndex>(i)) * width + column, 1, 1,
+                    [&](std::int64_t, std::int64_t, double *out) { *out = values[i]; });
   }
 
 private:
@@ -131,7 +163,7 @@ void write_triangles(const Columns &columns, const SlabMesh &slab, GlobalIndex f
                               });
 }
 
-void write_duplicates(const Columns &columns, const std::vector<Duplicate> &duplicates, GlobalIndex first,
+void write_duplicates(const Columns &columns, std::span<const Duplicate> duplicates, GlobalIndex first,
                       bool has_z) {
   const auto count = static_cast<GlobalIndex>(duplicates.size());
   columns.write<std::int64_t>(vtkhdf::duplicates, first, count, 2,
@@ -148,18 +180,15 @@ void write_duplicates(const Columns &columns, const std::vector<Duplicate> &dupl
     });
 }
 
-/// Local: this rank's rows of every long column.
-void write_rows_of_rank(const Columns &columns, const DistributedMesh &mesh, const vtkhdf::Extents &extents,
-                        bool has_z) {
-  int s = mesh.first_slab;
-  for (const SlabMesh &slab : mesh.slabs) {
-    write_vertices(columns, slab, extents.vertices[at(s)]);
-    write_triangles(columns, slab, extents.triangles[at(s)], extents.first_offset(s));
-    columns.write(vtkhdf::paths, extents.paths[at(s)], slab.left_path);
-    ++s;
+/// Runs work of HDF5 on the file aside. Throws Error about its final name.
+template <class Work> auto with_hdf5(const OutputFile &file, Work &&work) {
+  const hdf5::Quiet quiet;
+  try {
+    return work();
+  } catch (const hdf5::Failure &failure) {
+    throw Error({ErrorKind::output, file.path(), failure.place(), failure.what(),
+                 "make room, or name a file on another disk"});
   }
-  if (!mesh.slabs.empty())
-    write_duplicates(columns, mesh.duplicates, extents.duplicates[at(mesh.first_slab)], has_z);
 }
 
 /// Local, on one rank. Throws Error about the file's final name.
@@ -167,36 +196,95 @@ vtkhdf::Skeleton prepare(const OutputFile &file, const DistributedMesh &mesh, co
                          const std::vector<std::string> &names) {
   vtkhdf::check_attribute_names(names, file.path());
   check_disk_space(file.path(), file.aside(), vtkhdf::estimated_bytes(mesh, extents, names));
-  const hdf5::Quiet quiet;
-  vtkhdf::Skeleton skeleton;
-  try {
-    skeleton = vtkhdf::make_skeleton(file.aside(), mesh, extents, names);
-  } catch (const hdf5::Failure &failure) {
-    throw Error({ErrorKind::output, file.path(), failure.place(), failure.what(),
-                 "make room, or name a file on another disk"});
-  }
+  vtkhdf::Skeleton skeleton =
+      with_hdf5(file, [&] { return vtkhdf::make_skeleton(file.aside(), mesh, extents, names); });
   reserve_disk_space(file.path(), file.aside(), skeleton.file_bytes);
   return skeleton;
 }
 
+/// Writes one file, slab by slab.
+class MeshFile : public SlabSink {
+public:
+  MeshFile(std::string path, MeshWriting writing) : path_(std::move(path)), writing_(std::move(writing)) {}
+
+  void begin(const Communicator &comm, const MeshOutline &outline) override;
+  void take(int slab, const SlabMesh &mesh, std::span<const Duplicate> duplicates) override;
+  void complete(int slab, const SlabMesh &border) override;
+  void finish(std::uint64_t checksum, GlobalIndex hull_edges) override;
+
+private:
+  Columns columns() { return Columns(*file_, places_, writing_.buffer_bytes); }
+
+  std::string path_;
+  MeshWriting writing_;
+  const Communicator *comm_ = nullptr;
+  std::optional<OutputFile> file_;
+  std::optional<ProgressCount> count_;
+  std::map<std::string, std::int64_t> places_; ///< of the columns, in bytes
+  vtkhdf::Extents extents_;
+  bool has_z_ = false;
+};
+
+void MeshFile::begin(const Communicator &comm, const MeshOutline &outline) {
+  comm_ = &comm;
+  extents_ = extents_of(outline);
+  const std::vector<std::string> &names = outline.attribute_names;
+  has_z_ = std::find(names.begin(), names.end(), vtkhdf::z_attribute) != names.end();
+  file_.emplace(comm, path_);
+  vtkhdf::Skeleton skeleton = collectively(comm, [&] {
+    return comm.is_root() ? prepare(*file_, outline.mesh, extents_, names) : vtkhdf::Skeleton{};
+  });
+  broadcast(comm, skeleton.column_bytes);
+  broadcast(comm, skeleton.file_bytes);
+  places_ = std::move(skeleton.column_bytes);
+  count_.emplace(count_of_rank(outline, writing_, skeleton.file_bytes));
+  file_->count_into(&*count_);
+}
+
+void MeshFile::take(int slab, const SlabMesh &mesh, std::span<const Duplicate> duplicates) {
+  write_vertices(columns(), mesh, extents_.vertices[at(slab)]);
+  write_triangles(columns(), mesh, extents_.triangles[at(slab)], extents_.first_offset(slab));
+  columns().write(vtkhdf::paths, extents_.paths[at(slab)], mesh.left_path);
+  write_duplicates(columns(), duplicates, extents_.duplicates[at(slab)], has_z_);
+}
+
+void MeshFile::complete(int slab, const SlabMesh &border) {
+  const GlobalIndex first_ghost = extents_.vertices[at(slab)] + border.own_count;
+  columns().write(vtkhdf::input_index, first_ghost, border.vertices.input_index);
+  for (const Attribute &attribute : border.vertices.attributes)
+    if (attribute.name == vtkhdf::z_attribute)
+      columns().write_number_of_rows(vtkhdf::points, first_ghost, 3, 2, attribute.values);
+    else
+      columns().write(vtkhdf::dataset_of_attribute(attribute.name), first_ghost, attribute.values);
+  const GlobalIndex first_side = 3 * extents_.triangles[at(slab)];
+  for (const BorderSide &side : border.border_sides)
+    columns().write(vtkhdf::neighbours, first_side + side.side, std::vector{side.neighbour});
+}
+
+void MeshFile::finish(std::uint64_t checksum, GlobalIndex hull_edges) {
+  collectively(*comm_, [&] {
+    if (comm_->is_root())
+      with_hdf5(*file_, [&] { vtkhdf::set_results(file_->aside(), checksum, hull_edges); });
+  });
+  file_->commit();
+}
+
 } // namespace
+
+std::unique_ptr<SlabSink> stream_vtkhdf(const std::string &path, const MeshWriting &writing) {
+  return std::make_unique<MeshFile>(path, writing);
+}
 
 std::vector<std::string> write_vtkhdf(const Communicator &comm, const DistributedMesh &mesh,
                                       const std::string &path, const MeshWriting &writing) {
-  const vtkhdf::Extents extents = gather_extents(comm, mesh);
-  const std::vector<std::string> names = gather_attribute_names(comm, mesh);
-  const bool has_z = std::find(names.begin(), names.end(), vtkhdf::z_attribute) != names.end();
-  OutputFile file(comm, path);
-  vtkhdf::Skeleton skeleton = collectively(
-      comm, [&] { return comm.is_root() ? prepare(file, mesh, extents, names) : vtkhdf::Skeleton{}; });
-  broadcast(comm, skeleton.column_bytes);
-  broadcast(comm, skeleton.file_bytes);
-  ProgressCount count = count_of_rank(mesh, writing, skeleton.file_bytes);
-  file.count_into(&count);
+  MeshFile file(path, writing);
+  file.begin(comm, outline_of(comm, mesh));
   collectively(comm, [&] {
-    write_rows_of_rank(Columns(file, skeleton.column_bytes, writing.buffer_bytes), mesh, extents, has_z);
+    const std::vector<std::span<const Duplicate>> duplicates = duplicates_by_slab(mesh);
+    for (std::size_t k = 0; k < mesh.slabs.size(); ++k)
+      file.take(mesh.first_slab + static_cast<int>(k), mesh.slabs[k], duplicates[k]);
   });
-  file.commit();
+  file.finish(mesh.checksum, mesh.hull_edges);
   return {path};
 }
 

@@ -30,6 +30,8 @@ void check_segments(const PlanarGraph &graph) {
 /// sum of what they cross small (Agarwal, Arge, Yi, I/O-efficient construction of constrained Delaunay
 /// triangulations, 2005).
 void insert_segments(const PlanarGraph &graph, Faces &faces) {
+  if (graph.segments.empty())
+    return;
   SegmentInsertion insertion(graph.vertices, faces);
   std::vector<LocalIndex> missing;
   for (std::size_t i = 0; i < graph.segments.size(); ++i)

@@ -3,18 +3,17 @@
 #include "dovetail/base/error.hpp"
 #include "dovetail/base/huge_pages.hpp"
 
+#include <algorithm>
+
 namespace dovetail {
 namespace {
 
 constexpr std::size_t index(LocalIndex i) { return static_cast<std::size_t>(i); }
 
-/// The side of triangle `across` whose twin is side i of triangle t.
-std::size_t side_back(const Triangulation &mesh, std::size_t across, std::size_t t, std::size_t i) {
-  const LocalIndex to = mesh.corners[3 * t + (i + 2) % 3];
-  std::size_t j = 0;
-  while (j < 2 && mesh.corners[3 * across + (j + 1) % 3] != to)
-    ++j;
-  return j;
+/// The side of triangle `across` that comes back from `to`, without a branch that would be guessed wrong.
+std::size_t side_from(const Triangulation &mesh, std::size_t across, LocalIndex to) {
+  const LocalIndex *const corner = &mesh.corners[3 * across];
+  return static_cast<std::size_t>(corner[2] == to) + 2 * static_cast<std::size_t>(corner[0] == to);
 }
 
 } // namespace
@@ -28,14 +27,13 @@ Faces faces_of(const Triangulation &mesh) {
   reserve_huge(result.segment_of, 4 * (count + count / 2));
   result.segment_of.resize(4 * count);
   for (std::size_t t = 0; t < count; ++t) {
-    Face &face = result.faces.emplace_back(Face{{}, {}, none, 0, 0, 0});
-    for (std::size_t i = 0; i < 3; ++i) {
-      face.corner[i] = mesh.corners[3 * t + i];
-      const LocalIndex across = mesh.neighbours[3 * t + i];
-      face.twin[i] = across == none
-                         ? none
-                         : static_cast<HalfEdge>(4 * index(across) + side_back(mesh, index(across), t, i));
-    }
+    const LocalIndex *const corner = &mesh.corners[3 * t];
+    Face face{{corner[0], corner[1], corner[2]}, {none, none, none}, none, 0, 0, 0};
+    for (std::size_t i = 0; i < 3; ++i)
+      if (const LocalIndex across = mesh.neighbours[3 * t + i]; across != none)
+        face.twin[i] = static_cast<HalfEdge>(4 * index(across) +
+                                             side_from(mesh, index(across), corner[i == 0 ? 2 : i - 1]));
+    result.faces.push_back(face);
   }
   return result;
 }
@@ -51,28 +49,60 @@ Faces faces_of(const DomainMesh &mesh) {
   return result;
 }
 
+LocalIndex Faces::add() {
+  if (faces.size() == faces.capacity()) {
+    reserve_huge(faces, 2 * faces.size() + 16);
+    reserve_huge(segment_of, 4 * faces.capacity());
+  }
+  faces.emplace_back();
+  segment_of.resize(segment_of.size() + 4);
+  return static_cast<LocalIndex>(faces.size() - 1);
+}
+
+namespace {
+
+/// Sets triangle `to` from a face, whose twins are numbered by `number`.
+void collect_face(const Faces &faces, LocalIndex t, LocalIndex to, auto number, DomainMesh &mesh) {
+  const Face &face = faces.face(t);
+  const std::size_t base = 3 * index(to);
+  mesh.region[index(to)] = face.region;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const HalfEdge twin = face.twin[i];
+    mesh.triangles.corners[base + i] = face.corner[i];
+    mesh.triangles.neighbours[base + i] = twin == none ? none : number(face_of(twin));
+    mesh.segment_of_side[base + i] = none;
+  }
+  if (face.segment_sides != 0)
+    for (LocalIndex i = 0; i < 3; ++i)
+      mesh.segment_of_side[base + index(i)] = faces.segment(4 * t + i);
+}
+
+} // namespace
+
 void collect_faces(const Faces &faces, DomainMesh &mesh) {
-  std::vector<LocalIndex> number(index(faces.count()), none);
-  LocalIndex kept = 0;
-  for (LocalIndex t = 0; t < faces.count(); ++t)
-    if (faces.face(t).mark == 0)
-      number[index(t)] = kept++;
-  mesh.triangles.corners.resize(3 * index(kept));
-  mesh.triangles.neighbours.resize(3 * index(kept));
-  mesh.segment_of_side.resize(3 * index(kept));
+  std::vector<LocalIndex> number; // empty if all stay what they are
+  LocalIndex kept = faces.count();
+  if (std::ranges::any_of(faces.faces, [](const Face &face) { return face.mark != 0; })) {
+    number.reserve(index(faces.count()));
+    kept = 0;
+    for (const Face &face : faces.faces)
+      number.push_back(face.mark == 0 ? kept++ : none);
+  }
+  const std::size_t sides = 3 * index(kept);
+  reserve_huge(mesh.triangles.corners, sides);
+  reserve_huge(mesh.triangles.neighbours, sides);
+  reserve_huge(mesh.segment_of_side, sides);
+  mesh.triangles.corners.resize(sides);
+  mesh.triangles.neighbours.resize(sides);
+  mesh.segment_of_side.resize(sides);
   mesh.region.resize(index(kept));
   for (LocalIndex t = 0; t < faces.count(); ++t) {
-    if (number[index(t)] == none)
-      continue;
-    const Face &face = faces.face(t);
-    mesh.region[index(number[index(t)])] = face.region;
-    for (LocalIndex i = 0; i < 3; ++i) {
-      const std::size_t side = index(3 * number[index(t)] + i);
-      const HalfEdge twin = face.twin[index(i)];
-      mesh.triangles.corners[side] = face.corner[index(i)];
-      mesh.triangles.neighbours[side] = twin == none ? none : number[index(face_of(twin))];
-      mesh.segment_of_side[side] = faces.segment(4 * t + i);
-    }
+    if (number.empty())
+      collect_face(
+          faces, t, t, [](LocalIndex beyond) { return beyond; }, mesh);
+    else if (number[index(t)] != none)
+      collect_face(
+          faces, t, number[index(t)], [&](LocalIndex beyond) { return number[index(beyond)]; }, mesh);
   }
 }
 

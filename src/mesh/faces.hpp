@@ -40,6 +40,8 @@ struct Faces {
 
   Face &face(LocalIndex t) { return faces[static_cast<std::size_t>(t)]; }
   const Face &face(LocalIndex t) const { return faces[static_cast<std::size_t>(t)]; }
+  /// One more, not set. References to faces do not last.
+  LocalIndex add();
   LocalIndex count() const { return static_cast<LocalIndex>(faces.size()); }
 
   LocalIndex apex(HalfEdge h) const { return face(face_of(h)).corner[static_cast<std::size_t>(side_of(h))]; }

@@ -1,9 +1,11 @@
 #include "dovetail/mesh/refine.hpp"
 
 #include "refinement.hpp"
+#include "scale.hpp"
 
 #include "dovetail/base/error.hpp"
 
+#include <cmath>
 #include <fmt/core.h>
 
 namespace dovetail {
@@ -23,13 +25,34 @@ void check(const RefineOptions &options) {
       refuse(name, fmt::format("{}", value), "ask for a positive number, or 0 for no limit");
 }
 
+/// Lengths as they are where all coordinates are divided by 2^exponent.
+RefineOptions scaled(RefineOptions options, int exponent) {
+  options.min_edge = std::ldexp(options.min_edge, -exponent);
+  options.max_area = std::ldexp(options.max_area, -2 * exponent);
+  for (double &area : options.max_area_of_region)
+    area = std::ldexp(area, -2 * exponent);
+  return options;
+}
+
 } // namespace
 
 Refined refine(DomainMesh mesh, std::span<const Segment> segments, const RefineOptions &options) {
   check(options);
-  Refinement refinement(std::move(mesh), segments, options);
+  const int exponent = scale_exponent(mesh.vertices);
+  if (exponent != 0)
+    scale(mesh.vertices, -exponent);
+  const RefineOptions scaled_options = scaled(options, exponent);
+  Refinement refinement(std::move(mesh), segments, scaled_options);
   refinement.run();
-  return refinement.result();
+  Refined result = refinement.result();
+  if (exponent == 0)
+    return result;
+  scale(result.mesh.vertices, exponent);
+  for (LeftTriangle &left : result.left_triangles) {
+    scale(std::span(&left.place, 1), exponent);
+    left.area = std::ldexp(left.area, 2 * exponent);
+  }
+  return result;
 }
 
 } // namespace dovetail

@@ -2,6 +2,7 @@
 
 #include "dovetail/base/huge_pages.hpp"
 #include "dovetail/geometry/predicates.hpp"
+#include "size_field.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +16,8 @@ std::uint64_t key_of(LocalIndex a, LocalIndex b) {
   const auto [low, high] = std::minmax(a, b);
   return static_cast<std::uint64_t>(high) << 32 | static_cast<std::uint64_t>(low);
 }
+
+bool is_finite(Point p) { return std::isfinite(p.x) && std::isfinite(p.y); }
 
 /// Off-centers are made a little nearer than the bound allows, so that rounding does not leave a triangle
 /// just below it. Smaller values make more points: 0.95 1.5 % more at 30 degrees.
@@ -33,6 +36,8 @@ Refinement::Refinement(DomainMesh mesh, std::span<const Segment> segments, const
   number_vertices(mesh);
   if (options.locked)
     lock(options.locked);
+  if (options.growth > 0)
+    size_ = local_sizes(vertices_, faces_, options.growth);
   double reach = 0;
   for (const Point &p : vertices_)
     reach = std::max({reach, std::fabs(p.x), std::fabs(p.y)});
@@ -133,6 +138,8 @@ bool Refinement::is_exempt(LocalIndex t, std::size_t shortest) const {
 bool Refinement::is_too_large(LocalIndex t) const {
   const Face &face = faces_.face(t);
   double limit = options_.max_area > 0 ? options_.max_area : HUGE_VAL;
+  if (options_.growth > 0)
+    limit = std::min(limit, field_limit(face));
   if (face.region != none && index(face.region) < options_.max_area_of_region.size())
     if (const double own = options_.max_area_of_region[index(face.region)]; own > 0)
       limit = std::min(limit, own);
@@ -141,17 +148,38 @@ bool Refinement::is_too_large(LocalIndex t) const {
   return 0.5 * doubled_area(point(face.corner[0]), point(face.corner[1]), point(face.corner[2])) > limit;
 }
 
+/// The area of an equilateral triangle with the edges that the size field allows at the barycentre.
+double Refinement::field_limit(const Face &face) const {
+  const Point a = point(face.corner[0]), b = point(face.corner[1]), c = point(face.corner[2]);
+  const Point middle = barycentre(a, b, c);
+  double size = HUGE_VAL;
+  for (const LocalIndex v : face.corner)
+    size = std::min(size, size_[index(v)] + options_.growth * distance(point(v), middle));
+  return std::sqrt(3.0) / 4 * size * size;
+}
+
+void Refinement::extend_size(const Cavity &cavity, LocalIndex v) {
+  if (options_.growth == 0)
+    return;
+  size_.resize(vertices_.size(), HUGE_VAL);
+  for (const RimEdge &edge : cavity.rim)
+    size_[index(v)] = std::min(size_[index(v)],
+                               size_[index(edge.from)] + options_.growth * std::sqrt(edge.squared_distance));
+}
+
 void Refinement::look_at_fan(const Cavity &cavity) {
-  for (std::size_t k = 0; k < cavity.rim.size(); ++k) {
+  const std::size_t count = cavity.edge_count();
+  for (std::size_t k = 0; k < count; ++k) {
+    const RimEdge &edge = cavity.rim[k], &after = cavity.rim[k + 1];
     const LocalIndex t = cavity.faces[k];
-    look_at_triangle(t, {{squared_distance(cavity.rim[k].from_point, cavity.to_point(k)),
-                          cavity.to_squared_distance(k), cavity.rim[k].squared_distance}});
-    if (cavity.rim[k].segment != none)
+    look_at_triangle(t, {{squared_distance(edge.from_point, after.from_point), after.squared_distance,
+                          edge.squared_distance}});
+    if (edge.segment != none)
       look_at_subsegment(4 * t);
   }
-  if (cavity.open && !cavity.rim.empty()) {
+  if (cavity.open && count > 0) {
     look_at_subsegment(4 * cavity.faces.front() + 2);
-    look_at_subsegment(4 * cavity.faces[cavity.rim.size() - 1] + 1);
+    look_at_subsegment(4 * cavity.faces[count - 1] + 1);
   }
 }
 
@@ -194,6 +222,8 @@ std::optional<Point> Refinement::split_point(HalfEdge h) const {
     fraction = std::exp2(std::round(std::log2(length / 2))) / length;
   }
   const Point p = between(point(a), point(b), fraction);
+  if (!is_finite(p))
+    return {};
   const double reach = distance(point(a), point(b));
   const double step_x = std::max(std::fabs(p.x), reach) * 0x1p-52;
   const double step_y = std::max(std::fabs(p.y), reach) * 0x1p-52;
@@ -204,7 +234,7 @@ std::optional<Point> Refinement::split_point(HalfEdge h) const {
 }
 
 double Refinement::least_squared_distance(const Cavity &cavity) const {
-  double least = cavity.open ? cavity.last_squared_distance : HUGE_VAL;
+  double least = HUGE_VAL;
   for (const RimEdge &edge : cavity.rim)
     least = std::min(least, edge.squared_distance);
   return least;
@@ -229,14 +259,14 @@ void Refinement::split(HalfEdge h) {
     return leave_subsegment(h, LeftReason::precision);
   if (cavity_.locked || right_cavity_.locked)
     return leave_subsegment(h, LeftReason::locked);
-  double nearest = least_squared_distance(cavity_);
-  if (twin != none)
-    nearest = std::min(nearest, least_squared_distance(right_cavity_));
-  if (const auto reason = too_near(nearest))
+  if (const auto reason =
+          too_near(std::min(least_squared_distance(cavity_), least_squared_distance(right_cavity_))))
     return leave_subsegment(h, *reason);
   const LocalIndex v = add_vertex(*p, cavity_.segment);
   if (v == none)
     return;
+  extend_size(cavity_, v);
+  extend_size(right_cavity_, v);
   commit_halves(cavity_, right_cavity_, v, faces_);
   look_at_fan(cavity_);
   look_at_fan(right_cavity_);
@@ -245,11 +275,11 @@ void Refinement::split(HalfEdge h) {
 /// Whether p, whose cavity was found, encroaches on subsegments, or lies beyond one: these are in blocking_.
 bool Refinement::encroaches(Point p) {
   blocking_.clear();
-  for (std::size_t k = 0; k < cavity_.rim.size(); ++k) {
-    const RimEdge &edge = cavity_.rim[k];
-    if (edge.segment != none && (dot(edge.from_point - p, cavity_.to_point(k) - p) < 0 ||
-                                 orientation(edge.from_point, cavity_.to_point(k), p) != Sign::positive))
-      blocking_.push_back({edge.inside, edge.from, cavity_.to(k)});
+  for (std::size_t k = 0; k < cavity_.edge_count(); ++k) {
+    const RimEdge &edge = cavity_.rim[k], &after = cavity_.rim[k + 1];
+    if (edge.segment != none && (dot(edge.from_point - p, after.from_point - p) < 0 ||
+                                 orientation(edge.from_point, after.from_point, p) != Sign::positive))
+      blocking_.push_back({edge.inside, edge.from, after.from});
   }
   return !blocking_.empty();
 }
@@ -264,7 +294,7 @@ void Refinement::insert_inside(const SkinnyQueue::Entry &entry) {
   const SquaredSides sides = squared_sides(at[0], at[1], at[2]);
   const std::size_t i = sides.shortest();
   const Point p = off_center(at[(i + 1) % 3], at[(i + 2) % 3], at[i], safely_within * bound_.reach());
-  if (!search_.find(t, p, cavity_))
+  if (!is_finite(p) || !search_.find(t, p, cavity_))
     return leave(t, LeftReason::precision);
   if (cavity_.locked)
     return leave(t, LeftReason::locked);
@@ -286,6 +316,7 @@ void Refinement::insert_inside(const SkinnyQueue::Entry &entry) {
   const LocalIndex v = add_vertex(p, none);
   if (v == none)
     return;
+  extend_size(cavity_, v);
   commit(cavity_, v, faces_);
   look_at_fan(cavity_);
 }

@@ -57,6 +57,8 @@ private:
   bool is_bad(LocalIndex t, const SquaredSides &sides) const;
   bool is_exempt(LocalIndex t, std::size_t shortest) const;
   bool is_too_large(LocalIndex t) const;
+  double field_limit(const Face &face) const;
+  void extend_size(const Cavity &cavity, LocalIndex v);
   double least_squared_distance(const Cavity &cavity) const;
   std::optional<LeftReason> too_near(double squared_distance) const;
   void leave(LocalIndex t, LeftReason reason);
@@ -74,6 +76,7 @@ private:
   std::vector<LocalIndex> given_number_; ///< of the vertices, which are numbered in the order of triangles
   std::vector<Point> vertices_;
   std::vector<LocalIndex> segment_of_vertex_; ///< as segments_of_vertices
+  std::vector<double> size_;                  ///< of edges at a vertex; empty without a size field
   std::vector<std::int32_t> given_markers_;
   Faces faces_;
 

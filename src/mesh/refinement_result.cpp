@@ -24,8 +24,7 @@ std::vector<LeftTriangle> Refinement::triangles_left() const {
       const bool known = left != left_triangles_.end() && left->second.corner == face.corner;
       reason = known ? left->second.reason : LeftReason::max_points;
     }
-    const Point barycentre{a.x + ((b.x - a.x) + (c.x - a.x)) / 3, a.y + ((b.y - a.y) + (c.y - a.y)) / 3};
-    result.push_back({t, barycentre, reason, smallest_angle(a, b, c), 0.5 * doubled_area(a, b, c)});
+    result.push_back({t, barycentre(a, b, c), reason, smallest_angle(a, b, c), 0.5 * doubled_area(a, b, c)});
   }
   return result;
 }

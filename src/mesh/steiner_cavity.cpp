@@ -21,10 +21,9 @@ bool CavitySearch::find(LocalIndex face, Point p, Cavity &cavity) {
     return false;
   cavity.faces.assign(1, face);
   cavity.open = false;
-  to_dig_.clear();
-  for (HalfEdge h = 4 * face + 2; h >= 4 * face; --h)
-    to_dig_.push_back(h);
+  to_dig_.assign({4 * face + 2, 4 * face + 1, 4 * face});
   dig(p, cavity);
+  cavity.rim.push_back(cavity.rim.front());
   return true;
 }
 
@@ -34,42 +33,43 @@ bool CavitySearch::find_half(HalfEdge subsegment, Point p, Cavity &cavity) {
   cavity.faces.assign(1, face_of(subsegment));
   cavity.open = true;
   cavity.segment = faces_.segment(subsegment);
-  cavity.last = faces_.from(subsegment);
-  cavity.last_point = point(cavity.last);
-  cavity.last_squared_distance = squared_distance(cavity.last_point, p);
-  to_dig_.clear();
-  to_dig_.push_back(previous(subsegment));
-  to_dig_.push_back(next(subsegment));
+  to_dig_.assign({previous(subsegment), next(subsegment)});
   dig(p, cavity);
+  const LocalIndex last = faces_.from(subsegment);
+  cavity.rim.push_back({none, none, none, last, point(last), squared_distance(point(last), p)});
   return true;
 }
 
-/// Sides of cavity faces, the next in counter-clockwise order on top. The cavity is a tree of faces, so
-/// none is met twice.
+/// From sides of the first face, the next in counter-clockwise order on top. The cavity is a tree of faces,
+/// so none is met twice.
 void CavitySearch::dig(Point p, Cavity &cavity) {
   cavity.rim.clear();
-  cavity.locked = faces_.face(cavity.faces[0]).locked_sides != 0;
+  const Face *const faces = faces_.faces.data();
+  const Point *const vertices = vertices_.data();
+  std::uint8_t locks = faces_.face(cavity.faces[0]).locked_sides;
   while (!to_dig_.empty()) {
     const HalfEdge inside = to_dig_.back();
     to_dig_.pop_back();
-    const HalfEdge outside = faces_.twin(inside);
-    LocalIndex segment = none;
-    if (faces_.is_segment(inside)) {
-      segment = faces_.segment(inside);
-    } else {
-      const Face &beyond = faces_.face(face_of(outside));
+    const Face &face = faces[index(face_of(inside))];
+    const auto side = static_cast<unsigned>(side_of(inside));
+    const HalfEdge outside = face.twin[side];
+    const bool is_segment = (face.segment_sides >> side & 1) != 0;
+    if (!is_segment) {
+      const Face &beyond = faces[index(face_of(outside))];
       if (in_conflict(beyond, p)) {
         cavity.faces.push_back(face_of(outside));
-        cavity.locked |= beyond.locked_sides != 0;
+        locks |= beyond.locked_sides;
         to_dig_.push_back(previous(outside));
         to_dig_.push_back(next(outside));
         continue;
       }
     }
-    const LocalIndex from = faces_.from(inside);
-    const Point at = point(from);
-    cavity.rim.push_back({inside, outside, segment, from, at, squared_distance(at, p)});
+    const LocalIndex from = face.corner[side == 2 ? 0 : side + 1];
+    const Point at = vertices[index(from)];
+    cavity.rim.push_back(
+        {inside, outside, is_segment ? faces_.segment(inside) : none, from, at, squared_distance(at, p)});
   }
+  cavity.locked = locks != 0;
 }
 
 namespace {
@@ -77,24 +77,22 @@ namespace {
 /// Fan triangle k has the vertex as corner 0 and edge k of the rim across; the fan is closed in itself, or
 /// open with its outer sides not linked.
 void build_fan(Cavity &cavity, LocalIndex vertex, Faces &faces) {
-  const std::size_t count = cavity.rim.size();
+  const std::size_t count = cavity.edge_count();
   const std::int32_t region = faces.face(cavity.faces[0]).region;
-  while (cavity.faces.size() < count) {
-    cavity.faces.push_back(faces.count());
-    faces.faces.emplace_back();
-    faces.segment_of.resize(faces.segment_of.size() + 4);
-  }
+  while (cavity.faces.size() < count)
+    cavity.faces.push_back(faces.add());
+  LocalIndex before = cavity.faces[count - 1];
   for (std::size_t k = 0; k < count; ++k) {
     const RimEdge &edge = cavity.rim[k];
     const LocalIndex t = cavity.faces[k];
-    const LocalIndex after = k + 1 < count ? cavity.faces[k + 1] : cavity.faces[0];
-    const LocalIndex before = k > 0 ? cavity.faces[k - 1] : cavity.faces[count - 1];
-    faces.face(t) = {{vertex, edge.from, cavity.to(k)},
+    const LocalIndex after = cavity.faces[k + 1 < count ? k + 1 : 0];
+    faces.face(t) = {{vertex, edge.from, cavity.rim[k + 1].from},
                      {edge.outside, 4 * after + 2, 4 * before + 1},
                      region,
                      static_cast<std::uint8_t>(edge.segment != none ? 1 : 0),
                      0,
                      0};
+    before = t;
     if (edge.segment != none)
       faces.segment_of[index(4 * t)] = edge.segment;
     if (edge.outside != none)
@@ -105,7 +103,7 @@ void build_fan(Cavity &cavity, LocalIndex vertex, Faces &faces) {
 } // namespace
 
 void commit(Cavity &cavity, LocalIndex vertex, Faces &faces) {
-  assert(cavity.rim.size() == cavity.faces.size() + 2);
+  assert(cavity.edge_count() == cavity.faces.size() + 2);
   build_fan(cavity, vertex, faces);
 }
 

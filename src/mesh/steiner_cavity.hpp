@@ -23,29 +23,16 @@ struct RimEdge {
   double squared_distance; ///< of from_point from the new point
 };
 
-/// A half of a cavity on a segment is open: its rim goes from one end of the subsegment to the other, whose
-/// last edge is followed by `last`.
+/// A half of a cavity on a segment is open: its rim goes from one end of the subsegment to the other.
 struct Cavity {
   std::vector<LocalIndex> faces; ///< of the cavity; once committed, fan triangle k is in the place k
-  std::vector<RimEdge> rim;      ///< counter-clockwise as seen from the point
+  /// Counter-clockwise as seen from the point; behind the last edge, as one that is none, where it ends.
+  std::vector<RimEdge> rim;
   bool open = false;
+  bool locked = false;       ///< a face has a locked side
   LocalIndex segment = none; ///< on which the point of an open one lies
-  LocalIndex last = none;    ///< vertex
-  Point last_point{};
-  double last_squared_distance = 0;
-  bool locked = false; ///< a face has a locked side
 
-  LocalIndex to(std::size_t k) const {
-    return k + 1 < rim.size() ? rim[k + 1].from : open ? last : rim[0].from;
-  }
-  Point to_point(std::size_t k) const {
-    return k + 1 < rim.size() ? rim[k + 1].from_point : open ? last_point : rim[0].from_point;
-  }
-  double to_squared_distance(std::size_t k) const {
-    return k + 1 < rim.size() ? rim[k + 1].squared_distance
-           : open             ? last_squared_distance
-                              : rim[0].squared_distance;
-  }
+  std::size_t edge_count() const { return rim.empty() ? 0 : rim.size() - 1; }
 };
 
 /// Finds cavities; keeps memory between calls.

@@ -4,6 +4,7 @@
 #include "dovetail/mesh/histogram.hpp"
 #include "dovetail/mesh/quality.hpp"
 #include "dovetail/mesh/validate.hpp"
+#include "scale.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -233,7 +234,7 @@ private:
         at = boundary_after(at);
       } while (at != side);
     }
-    const double allowed = bend_allowed * reach_ * length + 0x1p-40 * std::fabs(report_.area);
+    const double allowed = bend_allowed * reach_ * length + 0x1p-40 * std::fabs(straight.value());
     if (std::fabs(straight.value() - report_.area) > allowed)
       add(DomainFaultKind::area, none,
           fmt::format("triangles cover {:.17g}, the domain has {:.17g}", report_.area, straight.value()));
@@ -354,7 +355,14 @@ std::string_view name_of(DomainFaultKind kind) {
 
 DomainReport validate_domain(const DomainMesh &mesh, std::span<const Segment> segments, double min_angle,
                              std::size_t faults_kept) {
-  return DomainValidation(mesh, segments, min_angle, faults_kept).run();
+  const int exponent = scale_exponent(mesh.vertices);
+  if (exponent == 0)
+    return DomainValidation(mesh, segments, min_angle, faults_kept).run();
+  DomainMesh scaled = mesh;
+  scale(scaled.vertices, -exponent);
+  DomainReport report = DomainValidation(scaled, segments, min_angle, faults_kept).run();
+  report.area = std::ldexp(report.area, 2 * exponent);
+  return report;
 }
 
 } // namespace dovetail

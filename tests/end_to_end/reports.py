@@ -18,6 +18,7 @@ SCHEMA = {
     "inputs": (list, EVERY),
     "output": (str, {"triangulate", "generate"}),
     "ranks": (int, EVERY),
+    "hosts": (int, EVERY),
     "slabs": (int, MESHES),
     "axis": (str, MESHES),
     "kernel": (str, {"triangulate"}),
@@ -42,7 +43,8 @@ SCHEMA = {
     "split_trace": (dict, set()),  # on request
     "phases": (list, EVERY),
 }
-PHASE_KEYS = ("wall_max_s", "wall_mean_s", "cpu_max_s", "cpu_sum_s", "bytes_sent", "messages_sent")
+PHASE_KEYS = ("wall_max_s", "wall_mean_s", "cpu_max_s", "cpu_sum_s", "bytes_sent", "messages_sent",
+              "peak_rss_max_bytes")
 PHASES = ["read", "sort", "split", "triangulate", "stitch", "write"]
 POINTS, SEED, RANKS = 20_000, 5, 3
 
@@ -64,7 +66,7 @@ class Reports(harness.TestCase):
                     self.assertFalse(kind is int and isinstance(report[key], bool))
                 elif key not in but_null or report[key] is not None:
                     self.assertTrue(report[key] is None or key in but_null, report[key])
-        self.assertEqual(report["ranks"], RANKS)
+        self.assertEqual((report["ranks"], report["hosts"]), (RANKS, 1))
         self.assertIn("mpi", report["libraries"])
         self.assertIn("hdf5", report["libraries"])
         self.assertEqual(report["command_line"][1], subcommand)

@@ -174,7 +174,7 @@ TEST(PointErrors, NpyHeaders) {
   fields("[('x', '<f8'), ('y', '<f8', (1,))]", "(3,)", {"malformed", "more than one number"});
   fields("[]", "(3,)", {"malformed", "no fields"});
   fields(std::string("[('x', '<f8'), ('y', '<f8'), ('\0', '<f8')]", 42), "(3,)",
-         {"'?' has control characters", "rename"});
+         {"'?' is not UTF-8, or has control characters", "rename"});
   fields("[('x', '<f8')", "(3,)", {"malformed"});
   fields("[('x', '<f8'), ('y', '<f8')]", "(4,)", {"ends here, with 3 of the 4"});
   for (const std::string shape : {"()", "(6,)", "(3, 1)", "(1, 70000)", "(3, 2, 1)", "(0, 0)"})

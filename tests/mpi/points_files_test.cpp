@@ -282,6 +282,32 @@ TEST(PointFiles, ThousandsOfColumns) {
     EXPECT_EQ(last.values[i], static_cast<double>(columns - 1 + columns * input.points.input_index[i]));
 }
 
+// NumPy writes versions 1.0 and 2.0 in Latin-1 and 3.0 in UTF-8.
+TEST(PointFiles, NamesInOtherAlphabets) {
+  const Communicator comm = world();
+  const TemporaryFolder folder(comm);
+  const std::string height = "h\xc3\xb6he", name_in_latin1 = "h\xf6he", clef = "\xf0\x9d\x84\x9e";
+  const auto dictionary = [](const std::string &name) {
+    return "{'descr': [('x', '<f8'), ('y', '<f8'), ('" + name +
+           "', '<f8')], 'fortran_order': False, 'shape': (0,)}";
+  };
+  struct Case {
+    int version;
+    std::string written, name;
+  };
+  for (const auto &[version, written, name] : std::vector<Case>{
+           {1, name_in_latin1, height}, {2, name_in_latin1, height}, {3, height, height}, {3, clef, clef}}) {
+    const std::string path = folder.make("names.npy", npy_prefix(version, dictionary(written)));
+    const PointInput input = read_points(comm, std::vector{path});
+    EXPECT_EQ(input.points.attributes.at(0).name, name);
+    write_points(comm, input.points, folder.file("again.npy"));
+    const std::string content = content_of(folder.file("again.npy"));
+    EXPECT_EQ(content.substr(6, 2), std::string("\x03\0", 2));
+    EXPECT_NE(content.find("'" + name + "'"), std::string::npos);
+    EXPECT_EQ(read_points(comm, std::vector{folder.file("again.npy")}).points.attributes.at(0).name, name);
+  }
+}
+
 TEST(PointFiles, GeneratedOnRanksIsGeneratedAtOnce) {
   const Communicator comm = world();
   const TemporaryFolder folder(comm);

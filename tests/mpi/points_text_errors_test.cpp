@@ -64,7 +64,15 @@ TEST_F(TextErrors, Lines) {
   refused("a.csv", "1,2\n\"3\",\"4\"\n", {"line 2, character 1: x is '\"3\"'"});
   refused("a.txt", "1552\n1 2\n", {"line 1, character 1: the line has one column", "separate x and y"});
   refused("a.txt", "Points\n1 2\n", {"line 1, character 1: the line has one column"});
-  refused("a.txt", "1 2\r3 4\r", {"line 1, character 3: y is '2?3'"});
+  refused("a.csv", "1,2\n\"3\",\"4\"\n", {"without quotes"});
+  refused("a.csv", "x,y,town\n1,2,Oslo\n", {"line 2, character 5: column 3 is 'Oslo'", "leave columns out"});
+  refused("a.csv", "x;y\n1.000,5;2\n", {"line 2, character 1: x is '1.000,5'", "decimal points instead"});
+  refused("a.txt", "1 2\r3 4\r", {"line 1, character 4: a carriage return", "newlines"});
+  refused("a.csv", "x,y\r1,2\r3,4\r", {"line 1, character 4: a carriage return"});
+  refused("a.txt", "# comment\r1 2\r", {"line 1, character 10: a carriage return"});
+  refused("a.txt", "1 2\r\r\n3 4\r\r\n", {"line 1, character 4: a carriage return"});
+  refused("a.csv", "x,y,h\xf6he\n1,2,3\n", {"line 1", "name of column 3", "not UTF-8", "iconv"});
+  refused("a.csv", "x,y,\"a\x01\"\n1,2,3\n", {"line 1", "name of column 3", "control characters"});
   refused("a.txt", std::string("1 2\n\0\n", 6), {"byte 4", "not text"});
   refused("a.txt",
           std::string("\xff\xfe"

@@ -3,6 +3,7 @@
 #include "support/temporary_folder.hpp"
 
 #include "dovetail/comm/collectives.hpp"
+#include "dovetail/distributed/validate.hpp"
 #include "dovetail/io/mesh.hpp"
 
 #include <boost/mpi/communicator.hpp>
@@ -146,6 +147,41 @@ TEST(VtkHdf, BytesDoNotDependOnRanksOrBuffers) {
     // Written by one, read by all.
     MPI_Barrier(comm.raw());
     expect_same(read_mesh(comm, folder.file("one.vtkhdf")), mesh_of(test, comm));
+  }
+}
+
+// The validator says the same of slabs in memory and of slabs that it reads one at a time, of right meshes
+// and of wrong ones.
+TEST(VtkHdf, ValidatedSlabBySlab) {
+  const Communicator comm = world();
+  const TemporaryFolder folder(comm);
+  const std::string path = folder.file("mesh.vtkhdf");
+  const PointTable points = oracle::table_of(oracle::lattice_points(300, 9, 5));
+  const PointTable nothing{{}, {}, {{"z", {}}, {"intensity", {}}}};
+  for (const bool broken : {false, true}) {
+    DistributedMesh mesh = mesh_of({"lattice", points, 7, Axis::x}, comm);
+    if (broken && !mesh.slabs.empty() && mesh.first_slab == 0) {
+      SlabMesh &slab = mesh.slabs.back();
+      slab.vertices.points[1].y += 0.25;     // moved
+      slab.vertices.input_index.back() += 1; // a ghost, if there is one
+      std::swap(slab.triangles.corners[0], slab.triangles.corners[1]);
+    }
+    write_mesh(comm, mesh, path);
+    const PointTable &own = comm.is_root() ? points : nothing;
+    const ValidationReport expected = validate(comm, mesh, own);
+    const ValidationReport found = validate(comm, *open_mesh(comm, path), own);
+    EXPECT_EQ(found.valid, !broken);
+    EXPECT_EQ(found.violations_by_kind, expected.violations_by_kind);
+    EXPECT_EQ(found.checksum, expected.checksum);
+    EXPECT_EQ(std::tie(found.sites, found.ghosts, found.triangles, found.inner_edges, found.border_edges,
+                       found.hull_edges, found.path_edges, found.duplicates, found.input_points),
+              std::tie(expected.sites, expected.ghosts, expected.triangles, expected.inner_edges,
+                       expected.border_edges, expected.hull_edges, expected.path_edges, expected.duplicates,
+                       expected.input_points));
+    ASSERT_EQ(found.first_violations.size(), expected.first_violations.size());
+    for (std::size_t i = 0; i < found.first_violations.size(); ++i)
+      EXPECT_EQ(found.first_violations[i].text, expected.first_violations[i].text);
+    MPI_Barrier(comm.raw());
   }
 }
 

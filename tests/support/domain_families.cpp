@@ -167,9 +167,9 @@ std::vector<NamedGraph> domain_families() {
       {"comb", comb(20, 0.01)},
       {"comb with hairlines", comb(10, 0.0005)},
       {"slits a thousandth apart", slits(10, 0.001)},
-      {"slits a hundred-thousandth apart", slits(1, 1e-5)},
+      {"slits a ten-thousandth apart", slits(1, 1e-4)},
       {"nested holes", nested(12, 0.01)},
-      {"nested holes, nearly touching", nested(4, 1e-4)},
+      {"nested holes, nearly touching", nested(4, 1e-3)},
       {"thousand-gon", regular_polygon(1000)},
       {"triangle", regular_polygon(3)},
   };
@@ -181,7 +181,6 @@ std::vector<NamedGraph> domain_families() {
     result.push_back({"random segments " + std::to_string(seed), random_segments(200, seed)});
   const std::size_t near = result.size();
   for (std::size_t i = 0; i < near; ++i) {
-    // In units of the last place there, a millionth is still ten billion.
     NamedGraph far = result[i];
     for (Point &p : far.graph.vertices)
       p = {1000 * p.x, 1000 * p.y};

@@ -6,6 +6,8 @@
 #include "dovetail/mesh/split_path_recursion.hpp"
 #include "dovetail/mesh/validate.hpp"
 
+#include "support/mesh_checks.hpp"
+
 #ifdef DOVETAIL_TEST_CGAL
 #include <CGAL/Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -21,25 +23,9 @@
 namespace dovetail {
 namespace {
 
-std::vector<Point> distinct_sites(Distribution distribution, GlobalIndex n) {
-  std::vector<Point> sites(static_cast<std::size_t>(n));
-  generate_points({distribution, n, 3}, 0, sites);
-  std::ranges::sort(sites, lexicographically_less);
-  sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
-  std::mt19937_64 random(1);
-  std::ranges::shuffle(sites, random);
-  return sites;
-}
-
-std::uint64_t checksum_of(const std::vector<Point> &sites, const Triangulation &mesh) {
-  return checksum_of_sites(sites) + checksum_of_triangles(sites, mesh.corners);
-}
-
-std::string first_fault(const FaultReport &report) {
-  return report.valid()
-             ? ""
-             : std::string(name_of(report.first_faults[0].kind)) + ": " + report.first_faults[0].text;
-}
+using testing::checksum_of;
+using testing::distinct_sites;
+using testing::first_fault;
 
 class LargeSets : public ::testing::TestWithParam<Distribution> {};
 

@@ -9,4 +9,7 @@ namespace dovetail {
 /// The beginning of a text, with '?' for control characters. An Error's what() has none either.
 std::string excerpt(std::string_view text);
 
+/// Whether a text can be a name in every format of files and in messages: UTF-8 without control characters.
+bool is_printable(std::string_view text);
+
 } // namespace dovetail

@@ -7,6 +7,10 @@
 #include "dovetail/comm/communicator.hpp"
 #include "dovetail/distributed/mesh.hpp"
 
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,6 +33,8 @@ struct SlabOptions {
   std::string subject = "input"; ///< how errors name the input
 };
 
+class ScratchSites; // distributed/scratch_sites.hpp
+
 /// Slab s of N has the sites floor(n * s / N) .. floor(n * (s + 1) / N) - 1 of the n distinct sites in the
 /// total order. The same on all ranks: axis, site_offsets, lines, digest.
 struct Slabs {
@@ -42,11 +48,24 @@ struct Slabs {
   PointTable sites;                  ///< of this rank's slabs, ascending in TotalOrder{axis}, without gaps
   std::vector<Duplicate> duplicates; ///< of this rank's sites, ascending by (site, input_index)
   InputDigest digest;
+  /// If set, sites and duplicates wait there, and of `sites` there are the names of its attributes alone.
+  std::shared_ptr<const ScratchSites> scratch;
 
   int slab_count() const { return static_cast<int>(site_offsets.size()) - 1; }
   GlobalIndex site_count() const { return site_offsets.back(); }
   GlobalIndex first_site() const { return site_offsets[static_cast<std::size_t>(first_slab)]; }
 };
+
+/// How this rank's slabs are looked at one by one, wherever they are. Own slabs are counted by k from 0.
+/// Local. Errors (input): scratch that cannot be read.
+///
+/// The points of a slab, in `buffer` if they are not in memory.
+std::span<const Point> points_of_slab(const Slabs &slabs, int k, std::vector<Point> &buffer);
+/// A copy of all columns of a slab, with room for `more` vertices behind its sites.
+PointTable table_of_slab(const Slabs &slabs, int k, std::size_t more);
+std::vector<Duplicate> duplicates_of_slab(const Slabs &slabs, int k);
+/// For each of these own sites, ascending, one record: the bits of its input index and its attributes.
+std::vector<std::uint64_t> records_of_sites(const Slabs &slabs, std::span<const GlobalIndex> numbers);
 
 /// The slab count for so many sites on so many ranks: about 1.5 million sites a slab, which a kernel works on
 /// in cache and little memory, but not so many slabs that paths outgrow a tenth of the sites

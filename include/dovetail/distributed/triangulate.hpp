@@ -7,9 +7,11 @@
 #include "dovetail/comm/phases.hpp"
 #include "dovetail/distributed/kernel.hpp"
 #include "dovetail/distributed/mesh.hpp"
+#include "dovetail/distributed/slab_sink.hpp"
 #include "dovetail/distributed/slabs.hpp"
 
 #include <span>
+#include <vector>
 
 namespace dovetail {
 
@@ -28,6 +30,15 @@ struct TriangulateOptions {
 /// triangulate_region; memory that runs out on any rank.
 DistributedMesh triangulate(const Communicator &comm, PointTable &&points,
                             const TriangulateOptions &options = {});
+
+/// Collective. The same mesh, given to `sink` slab by slab (stream_mesh), of points in memory or of slabs
+/// that wait on disk. Of the slabs that are returned only the borders are left.
+DistributedMesh triangulate_into(const Communicator &comm, PointTable &&points, SlabSink &sink,
+                                 std::vector<CoordinateSystemRecord> coordinate_system,
+                                 const TriangulateOptions &options = {});
+DistributedMesh triangulate_into(const Communicator &comm, Slabs &&slabs, SlabSink &sink,
+                                 std::vector<CoordinateSystemRecord> coordinate_system,
+                                 const TriangulateOptions &options = {});
 
 /// Collective. The same of plain points, which get their input indices by number_points: those of the first
 /// rank from 0 on, then those of the second, and so on.

@@ -29,15 +29,36 @@ struct UnstitchedMesh {
   GlobalIndex candidate_sites = 0; ///< see Region
 };
 
+/// A slab alone: what UnstitchedMesh says of one.
+struct LoneSlab {
+  SlabMesh mesh;
+  std::vector<LocalIndex> open_sides;
+  std::uint64_t checksum = 0;
+};
+
+/// Local. Own slab k of a region without a problem. Errors and cost as below.
+LoneSlab triangulate_slab(const Region &region, int k, const KernelChoice &kernel = {});
+
 /// Local. Errors: the region's own problem; fault, if a slab has not the triangles that F9 foretells;
 /// resource, if a slab with its paths has too many sites for local indices. Cost: the kernel's, and two
 /// passes over its triangles.
 UnstitchedMesh triangulate_region(Region &&region, const Progress &progress = {},
                                   const KernelChoice &kernel = {});
 
-/// The number of triangles that a slab will have, before any of them exists (F9): from its own sites, in the
-/// total order, and its two paths, an empty one meaning that the slab is outermost there. Local. O(path sites
-/// * log) and, for an outermost slab or one whose paths end apart, two comparisons a site.
+/// What a slab will have, before any of it exists.
+struct SlabCounts {
+  GlobalIndex triangles = 0;
+  GlobalIndex ghosts = 0; ///< sites of other slabs that its triangles use
+  friend bool operator==(const SlabCounts &, const SlabCounts &) = default;
+};
+
+/// F9: from a slab's own sites, in the total order, and its two paths, an empty one meaning that the slab is
+/// outermost there. A path site is used unless the slab is nothing on both sides of it, that is, unless all
+/// edges of the chains that end at it are on both of them. Local. O(path sites * log) and, for an outermost
+/// slab or one whose paths end apart, two comparisons a site.
+SlabCounts counts_between(std::span<const Point> own_sites, GlobalIndex first_site, const Path &left,
+                          const Path &right, Axis axis);
+/// The triangles of these.
 GlobalIndex triangles_between(std::span<const Point> own_sites, GlobalIndex first_site, const Path &left,
                               const Path &right, Axis axis);
 

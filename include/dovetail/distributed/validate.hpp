@@ -11,6 +11,7 @@
 #include "dovetail/base/progress.hpp"
 #include "dovetail/comm/communicator.hpp"
 #include "dovetail/distributed/mesh.hpp"
+#include "dovetail/distributed/slab_source.hpp"
 
 #include <array>
 #include <cstddef>
@@ -78,6 +79,13 @@ ValidationReport validate(const Communicator &comm, const DistributedMesh &mesh,
 /// Collective. The same, and every point of the original input, spread over the ranks in any way, must be
 /// exactly one site or listed duplicate with the same coordinates and z, and the other way round.
 ValidationReport validate(const Communicator &comm, const DistributedMesh &mesh, const PointTable &points,
+                          const Progress &progress = {});
+
+/// Collective. The same of a mesh whose slabs come one at a time: each is asked for once, so that memory is
+/// needed for one slab, and with `points` for their share as well; then its vertices are asked for once more
+/// for every round of some million points a rank.
+ValidationReport validate(const Communicator &comm, SlabSource &source, const Progress &progress = {});
+ValidationReport validate(const Communicator &comm, SlabSource &source, const PointTable &points,
                           const Progress &progress = {});
 
 /// Collective. Throws an Error (input) about `subject` unless array sizes and index ranges fit together and

@@ -48,6 +48,11 @@ constexpr Point off_center(Point a, Point b, Point c, double reach) {
   return a + (squared_length(far) < squared_length(center) ? far : center);
 }
 
+constexpr Point barycentre(Point a, Point b, Point c) {
+  const Displacement ab = b - a, ac = c - a;
+  return a + Displacement{(ab.x + ac.x) / 3, (ab.y + ac.y) / 3};
+}
+
 /// The point that divides ab at this fraction of its length from a.
 constexpr Point between(Point a, Point b, double fraction) { return a + fraction * (b - a); }
 

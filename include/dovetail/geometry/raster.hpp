@@ -23,7 +23,7 @@ inline constexpr int samples_a_side = 4;
 inline constexpr int samples_a_pixel = samples_a_side * samples_a_side;
 
 /// Lines are drawn above the triangles, in this order.
-enum class LineLayer : std::uint8_t { edges, hull, casing, paths };
+enum class LineLayer : std::uint8_t { edges, casing, hull, paths };
 inline constexpr std::size_t line_layers = 4;
 
 /// What is known of a pixel so far.

@@ -25,8 +25,11 @@
 #include "dovetail/base/progress.hpp"
 #include "dovetail/comm/communicator.hpp"
 #include "dovetail/distributed/mesh.hpp"
+#include "dovetail/distributed/slab_sink.hpp"
+#include "dovetail/distributed/slab_source.hpp"
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -75,6 +78,10 @@ struct MeshWriting {
 std::vector<std::string> write_mesh(const Communicator &comm, const DistributedMesh &mesh,
                                     const std::string &path, const MeshWriting &writing = {});
 
+/// Local. For a name that ends in .vtkhdf, where stream_mesh (distributed/stream_mesh.hpp) may leave a mesh:
+/// the same bytes as write_mesh makes of it, written in the same way. Nothing for other formats.
+std::unique_ptr<SlabSink> mesh_sink(const std::string &path, const MeshWriting &writing = {});
+
 /// Local. The files that write_mesh would make for this name, the one to open last, as far as the name alone
 /// tells. Error (usage): an unknown extension.
 std::vector<std::string> mesh_files(const std::string &path);
@@ -86,6 +93,10 @@ std::vector<std::string> mesh_files(const std::string &path);
 /// that is missing or has another type or shape, sizes that contradict each other. `progress`: stage "read",
 /// how much of this rank's part.
 DistributedMesh read_mesh(const Communicator &comm, const std::string &path, const Progress &progress = {});
+
+/// Collective. The same mesh, of which only what all ranks share is read now, and each slab when it is asked
+/// for. Errors as in read_mesh: those of slabs come from the SlabSource, on the rank that asks.
+std::unique_ptr<SlabSource> open_mesh(const Communicator &comm, const std::string &path);
 
 /// What can be said of a mesh file without reading its triangles.
 struct MeshDescription {

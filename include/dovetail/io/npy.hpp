@@ -15,8 +15,8 @@ namespace dovetail {
 /// length that is not what the header says.
 PointFile read_npy_header(const InputFile &file);
 
-/// The header of an array of float64 in C order, version 1.0 where it is not too long for that; its length is
-/// a multiple of 64.
+/// The header of an array of float64 in C order, version 1.0 where it is not too long for that and in ASCII;
+/// its length is a multiple of 64.
 std::string npy_header(GlobalIndex rows, int columns);
 
 /// The same for records of float64 fields with these names.

@@ -42,23 +42,24 @@
 
 namespace dovetail {
 
-inline constexpr double most_min_angle = 34;
+inline constexpr double most_min_angle = 33;
 
 struct RefineOptions {
   double min_angle = 26.45; ///< degrees, 0 (no bound) to most_min_angle
   double max_area = 0;      ///< 0: no limit
   /// Of region i of the graph, 0: no limit of its own; regions behind its end have none.
-  std::vector<double> max_area_of_region;
-  /// Size field: at an input vertex triangles may be as large as the local feature (the distance to the next
-  /// vertex or segment), at distance d from it larger by growth * d; edges of an equilateral triangle of the
-  /// same area are compared. 0: no size field.
+  std::vector<double> max_area_of_region = {};
+  /// Size field: at a vertex of the given mesh edges may be as long as its local feature, which is the
+  /// distance to the next vertex or segment among the triangles around it, and at distance d from there
+  /// longer by growth * d. A triangle is too large if its area is more than that of an equilateral triangle
+  /// with such edges at its barycentre. 0: no size field.
   double growth = 0;
   LocalIndex max_points = std::numeric_limits<LocalIndex>::max(); ///< vertices, those of the input included
   double min_edge = 0; ///< no new point is nearer than this to another vertex
   /// Whether the edge on this side of this triangle of the given mesh, inside it, is locked: no triangle that
   /// has a locked edge is changed, and what would need that waits. Empty: none is.
-  std::function<bool(LocalIndex triangle, int side)> locked;
-  Progress progress;
+  std::function<bool(LocalIndex triangle, int side)> locked = {};
+  Progress progress = {};
 };
 
 /// Why a triangle that is too large, or below the angle bound, was left.

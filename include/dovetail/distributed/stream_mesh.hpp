@@ -1,0 +1,34 @@
+/// Regions to a mesh that never is in memory as a whole: slab after slab is triangulated, handed on and
+/// dropped. What remains of a slab until the end is its border, O(path sites).
+#pragma once
+
+#include "dovetail/base/progress.hpp"
+#include "dovetail/comm/phases.hpp"
+#include "dovetail/distributed/kernel.hpp"
+#include "dovetail/distributed/regions.hpp"
+#include "dovetail/distributed/slab_sink.hpp"
+
+#include <vector>
+
+namespace dovetail {
+
+struct StreamOptions {
+  Progress progress;          ///< stage "triangulate"
+  PhaseLog *phases = nullptr; ///< if set, triangulate, write and stitch are added to it
+  KernelChoice kernel;
+  std::vector<CoordinateSystemRecord> coordinate_system; ///< of the input, carried along
+};
+
+/// Collective. What F9 tells of the mesh, slab by slab, from sites and paths alone.
+MeshOutline outline_of(const Communicator &comm, const Region &region);
+
+/// Collective. The same mesh as stitch(triangulate_region(region)) makes, given to `sink`. Returned is all of
+/// it but what is long: of every slab there are its numbers, ghosts, border sides and left path, and neither
+/// own sites nor triangles. Errors as there.
+///
+/// Memory: that of the sites, if the region has them in memory, about 130 bytes a site of the largest slab,
+/// paths included, and about 150 a site of a path.
+DistributedMesh stream_mesh(const Communicator &comm, Region &&region, SlabSink &sink,
+                            const StreamOptions &options = {});
+
+} // namespace dovetail

@@ -1,0 +1,149 @@
+/// Where a point lies in a mesh: a walk from a triangle given as a hint. Local; reads only.
+///
+/// Visibility walk (Guibas and Stolfi, 1985; Devillers, Pion and Teillaud, Walking in a triangulation, 2002):
+/// from a triangle, cross any side that has the point beyond; never back across the side that one came by.
+///
+/// Why it ends. Take the power of the point with respect to the circle of the triangle. The circles on both
+/// sides of an edge have equal power along its line, and if the edge is locally Delaunay the one ahead has
+/// the smaller power beyond; among equals (four on a circle) the perturbation of the canonical rule decides
+/// the same way. So the power falls with every step, and no triangle is met twice: not in a Delaunay mesh,
+/// and as locked edges are not crossed, not in a constrained one either. More steps than there are triangles
+/// are a proof that the mesh is neither, as while it is being flipped; then the choice between two sides is
+/// left to chance, and the walk ends with probability one in every triangulation (Devillers, Pion and
+/// Teillaud).
+///
+/// Cost: about one and a half orientations a triangle on the way; from a random triangle to a random point of
+/// n uniform sites O(sqrt n) triangles, from a near one O(1).
+#pragma once
+
+#include "dovetail/geometry/seen.hpp"
+#include "dovetail/mesh/half_edge.hpp"
+
+#include <cassert>
+#include <cstdint>
+#include <span>
+
+namespace dovetail {
+
+enum class PlaceKind : std::uint8_t {
+  vertex,  ///< the point equals a vertex of the triangle
+  edge,    ///< it is inside a side of it, which may be on the hull
+  inside,  ///< it is inside the triangle
+  outside, ///< it is beyond a side that has no neighbour, strictly
+  blocked, ///< it is beyond a side that is locked, strictly
+};
+
+struct Place {
+  PlaceKind kind;
+  LocalIndex triangle;
+  int side; ///< for `vertex` the corner; meaningless for `inside`
+};
+
+namespace walk {
+
+template <class Locked> struct Walk {
+  std::span<const Point> sites;
+  const Triangulation &mesh;
+  Point point;
+  const Locked &locked;
+  LocalIndex triangle;
+  LocalIndex steps_left;    ///< before it is proved that the mesh is not Delaunay
+  int entered = none;       ///< a side of `triangle` that has the point inside, strictly: the one crossed
+  std::uint32_t chance = 1; ///< its highest bit decides
+
+  Seen see(HalfEdge corner) const {
+    return dovetail::see(sites[position(mesh.corners[position(corner)])], point);
+  }
+
+  void cross(int side) {
+    const LocalIndex ahead = mesh.neighbours[position(half_edge(triangle, side))];
+    entered = half_edge_towards(mesh, ahead, triangle) - half_edge(ahead, 0);
+    triangle = ahead;
+  }
+
+  /// One triangle, in all cases: crosses a side and returns true, or tells the place.
+  bool step(Place &place) {
+    if (steps_left > 0)
+      --steps_left;
+    else
+      chance = chance * 1664525 + 1013904223; // Knuth's and Lewis's congruential generator
+    const int first = entered == none ? 0 : (chance >> 31) == 0 ? side_after(entered) : side_before(entered);
+    int closed = none;
+    int zeros = 0, on = 0; // how many sides have the point on their lines; the sum of these sides
+    for (int k = 0, side = first; k < 3; ++k, side = side_after(side)) {
+      if (side == entered)
+        continue;
+      const HalfEdge h = half_edge(triangle, side);
+      const Sign turn =
+          orientation(sites[position(origin(mesh, h))], sites[position(target(mesh, h))], point);
+      if (turn == Sign::negative) {
+        if (mesh.neighbours[position(h)] != none && !locked(triangle, side)) {
+          cross(side);
+          return true;
+        }
+        closed = side;
+      } else if (turn == Sign::zero) {
+        ++zeros;
+        on += side;
+      }
+    }
+    if (closed != none)
+      place = {mesh.neighbours[position(half_edge(triangle, closed))] == none ? PlaceKind::outside
+                                                                              : PlaceKind::blocked,
+               triangle, closed};
+    else if (zeros == 0)
+      place = {PlaceKind::inside, triangle, 0};
+    else if (zeros == 1)
+      place = {PlaceKind::edge, triangle, on};
+    else // two sides meet at the corner across from the third
+      place = {PlaceKind::vertex, triangle, 3 - on};
+    return false;
+  }
+
+  /// As many steps as the filter decides and nothing bars: each looks at one new corner. Returns true if the
+  /// point is inside the triangle at which it ends; otherwise it is for `step` to go on.
+  bool stride() {
+    const int known = entered == none ? 0 : entered;
+    const HalfEdge base = half_edge(triangle, 0);
+    // Where `entered` ends and begins: the other two sides go from ends[0] to the apex and on to ends[1].
+    Seen ends[2] = {see(base + side_before(known)), see(base + side_after(known))};
+    if (entered == none && filter::turn(ends[1], ends[0]) != Sign::positive)
+      return false;
+    entered = known;
+    for (; steps_left > 0; --steps_left) {
+      const Seen tip = see(half_edge(triangle, entered));
+      const Sign left = filter::turn(ends[0], tip), right = filter::turn(tip, ends[1]);
+      if (left == Sign::zero || right == Sign::zero)
+        return false;
+      const bool beyond_left = left == Sign::negative;
+      if (!beyond_left && right == Sign::positive)
+        return true;
+      const int side = beyond_left ? side_after(entered) : side_before(entered);
+      if (mesh.neighbours[position(half_edge(triangle, side))] == none || locked(triangle, side))
+        return false;
+      cross(side);
+      ends[beyond_left ? 1 : 0] = tip;
+    }
+    return false;
+  }
+};
+
+} // namespace walk
+
+/// The place of a point; `hint` is any triangle. On a locked edge is `edge`, at its ends `vertex`. `outside`
+/// means outside of the hull where the border is convex; `outside` and `blocked` mean elsewhere that the walk
+/// found no open way on. locked(triangle, side) must be the same from both sides of an edge.
+template <class Locked = NothingLocked>
+Place locate(std::span<const Point> sites, const Triangulation &mesh, Point point, LocalIndex hint,
+             const Locked &locked = {}) {
+  assert(hint >= 0 && hint < mesh.triangle_count());
+  walk::Walk<Locked> walk{sites, mesh, point, locked, hint, mesh.triangle_count()};
+  Place place;
+  do
+    if (walk.stride())
+      return {PlaceKind::inside, walk.triangle, 0};
+  while (walk.step(place));
+  return place;
+}
+
+} // namespace dovetail

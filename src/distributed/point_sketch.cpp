@@ -1,0 +1,50 @@
+#include "point_sketch.hpp"
+
+#include "dovetail/geometry/distributions.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <tuple>
+
+namespace dovetail {
+namespace {
+
+std::uint64_t hash_of(Point p) {
+  return synthetic::mix(synthetic::mix(std::bit_cast<std::uint64_t>(p.x) + synthetic::golden_gamma) ^
+                        std::bit_cast<std::uint64_t>(p.y));
+}
+
+} // namespace
+
+void PointSketch::add(std::span<const Point> points) {
+  for (const Point &point : points) {
+    const std::uint64_t hash = hash_of(point);
+    if (hash > limit_)
+      continue;
+    entries_.push_back({hash, point});
+    if (entries_.size() >= 4 * size_)
+      shrink();
+  }
+}
+
+void PointSketch::shrink() {
+  const auto key = [](const Entry &e) { return std::tuple(e.hash, e.point.x, e.point.y); };
+  std::ranges::sort(entries_, {}, key);
+  const auto same = [](const Entry &a, const Entry &b) { return a.point == b.point; };
+  entries_.erase(std::unique(entries_.begin(), entries_.end(), same), entries_.end());
+  if (entries_.size() >= size_) {
+    entries_.resize(size_);
+    limit_ = entries_.back().hash;
+  }
+}
+
+std::vector<Point> PointSketch::points() {
+  shrink();
+  std::vector<Point> result;
+  result.reserve(entries_.size());
+  for (const Entry &entry : entries_)
+    result.push_back(entry.point);
+  return result;
+}
+
+} // namespace dovetail
