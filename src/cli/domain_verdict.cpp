@@ -173,8 +173,9 @@ void compare(const DistributedMesh &mesh, const DomainFile &file, DomainVerdict 
   for (std::size_t i = 0; i < vertex_of.size(); ++i)
     if (vertex_of[i] == none || !(slab.vertices.points[at(vertex_of[i])] == file.set.vertices[i]))
       faults.add([&] {
-        return fmt::format("domain: vertex {} ({}, {}) is not where the mesh has it", file.first_number + i,
-                           file.set.vertices[i].x, file.set.vertices[i].y);
+        return fmt::format("domain: vertex {} ({}, {}) is not where the mesh has it",
+                           static_cast<std::size_t>(file.first_number) + i, file.set.vertices[i].x,
+                           file.set.vertices[i].y);
       });
   for (std::size_t s = 0; s < file.set.segments.size(); ++s) {
     const Segment &segment = file.set.segments[s];

@@ -291,7 +291,6 @@ ExitCode run_refine(const RefineCommand &command, const Session &session) {
 }
 
 void add_refine_options(CLI::App &parser, RefineCommand &command) {
-  const auto positive = CLI::Range(std::numeric_limits<double>::min(), std::numeric_limits<double>::max());
   RefineOptions &options = command.options;
   parser
       .add_option("--min-angle", options.min_angle,
@@ -299,15 +298,15 @@ void add_refine_options(CLI::App &parser, RefineCommand &command) {
       ->check(CLI::Range(0.0, 33.0))
       ->option_text("DEGREES [26.45]");
   parser.add_option("--max-area", options.max_area, "No triangle larger than this")
-      ->check(positive)
+      ->check(CLI::PositiveNumber)
       ->option_text("AREA");
   parser
       .add_option("--growth", options.growth,
                   "Triangles grow with the distance from the boundary by this much; smaller is finer")
-      ->check(positive)
+      ->check(CLI::PositiveNumber)
       ->option_text("RATE");
   parser.add_option("--min-edge", options.min_edge, "No new point nearer than this to another")
-      ->check(positive)
+      ->check(CLI::PositiveNumber)
       ->option_text("LENGTH");
   parser
       .add_option_function<std::string>(

@@ -12,9 +12,9 @@ namespace {
 
 constexpr std::size_t at(LocalIndex i) { return static_cast<std::size_t>(i); }
 
-constexpr std::size_t few = 12;      // pieces that are compared with each other
-constexpr int most_cuts = 96;        // one in another
-constexpr int most_useless_cuts = 6; // one in another that left most pieces on both sides
+constexpr std::size_t few = 12;    // pieces that are compared with each other
+constexpr int most_cuts = 96;      // one in another
+constexpr double most_copies = 32; // of a piece, in the mean, by cuts that it lies on both sides of
 
 struct Box {
   double low_x, low_y, high_x, high_y;
@@ -27,7 +27,7 @@ struct Part {
   std::vector<LocalIndex> pieces;
   std::vector<LocalIndex> vertices;
   int cuts = 0;
-  int useless_cuts = 0;
+  double copies = 1;
 };
 
 class Search {
@@ -44,8 +44,8 @@ public:
       parts.pop_back();
       if (!has_news(part))
         continue;
-      if (part.pieces.size() <= few || part.cuts >= most_cuts || part.useless_cuts >= most_useless_cuts ||
-          (part.vertices.size() <= 1 && share_a_vertex(part))) {
+      if (part.pieces.size() <= few || part.cuts >= most_cuts ||
+          (share_a_vertex(part) ? part.vertices.size() <= 1 : part.copies >= most_copies)) {
         compare(part);
         continue;
       }
@@ -133,14 +133,13 @@ private:
       low.high_y = high.low_y = 0.5 * part.box.low_y + 0.5 * part.box.high_y;
     }
     Halves halves{share(part, low), share(part, high)};
-    const bool useless =
-        10 * std::min(halves.low.pieces.size(), halves.high.pieces.size()) > 8 * part.pieces.size();
-    halves.low.useless_cuts = halves.high.useless_cuts = useless ? part.useless_cuts + 1 : 0;
+    const auto after = static_cast<double>(halves.low.pieces.size() + halves.high.pieces.size());
+    halves.low.copies = halves.high.copies = part.copies * after / static_cast<double>(part.pieces.size());
     return halves;
   }
 
   Part share(const Part &part, const Box &box) const {
-    Part result{box, {}, {}, part.cuts + 1, 0};
+    Part result{box, {}, {}, part.cuts + 1, 1};
     std::ranges::copy_if(part.pieces, std::back_inserter(result.pieces),
                          [&](LocalIndex piece) { return touches(pieces_[at(piece)], box); });
     std::ranges::copy_if(part.vertices, std::back_inserter(result.vertices),

@@ -7,7 +7,7 @@ import unittest
 import harness
 from harness import dovetail, write_las
 
-SUBCOMMANDS = ("triangulate", "generate", "verify", "info", "convert", "stats", "render")
+SUBCOMMANDS = ("triangulate", "generate", "verify", "info", "convert", "stats", "render", "constrain", "refine")
 
 
 def examples(*command):
@@ -24,7 +24,12 @@ class Help(harness.TestCase):
     def setUpClass(cls):
         super().setUpClass()
         # The files that examples read, made small.
-        for name in ("stars.npy", "west.npy", "east.npy", "survey.las"):
+        square = "4 2 0 0\n0 0 0\n1 1 0\n2 1 1\n3 0 1\n4 0\n0 0 1\n1 1 2\n2 2 3\n3 3 0\n0\n"
+        (cls.folder / "coast.poly").write_text(square)
+        (cls.folder / "part.poly").write_text(square)
+        (cls.folder / "parcels.geojson").write_text(
+            '{"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [1, 1], [0, 0]]]}')
+        for name in ("stars.npy", "west.npy", "east.npy", "wells.csv", "survey.las"):
             made = cls.folder / name
             seed = str(len(name))
             if name.endswith(".las"):
@@ -47,7 +52,7 @@ class Help(harness.TestCase):
     def test_examples(self):
         # In the order in which one makes what the next reads.
         for command in ((), ("generate",), ("triangulate",), ("verify",), ("info",), ("convert",), ("stats",),
-                        ("render",)):
+                        ("render",), ("constrain",), ("refine",)):
             for words in examples(*command):
                 with self.subTest(example=" ".join(words)):
                     self.run_example(words)
