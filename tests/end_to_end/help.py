@@ -7,7 +7,7 @@ import unittest
 import harness
 from harness import dovetail, write_las
 
-SUBCOMMANDS = ("triangulate", "generate", "verify", "info", "convert", "stats", "render")
+SUBCOMMANDS = ("triangulate", "generate", "verify", "info", "convert", "stats", "render", "insert")
 
 
 def examples(*command):
@@ -47,7 +47,7 @@ class Help(harness.TestCase):
     def test_examples(self):
         # In the order in which one makes what the next reads.
         for command in ((), ("generate",), ("triangulate",), ("verify",), ("info",), ("convert",), ("stats",),
-                        ("render",)):
+                        ("render",), ("insert",)):
             for words in examples(*command):
                 with self.subTest(example=" ".join(words)):
                     self.run_example(words)
