@@ -42,5 +42,6 @@ Subcommand add_stats(CLI::App &app);
 Subcommand add_render(CLI::App &app);
 Subcommand add_constrain(CLI::App &app);
 Subcommand add_refine(CLI::App &app);
+Subcommand add_insert(CLI::App &app);
 
 } // namespace dovetail::cli

@@ -113,9 +113,9 @@ ExitCode run(int argc, char **argv, const Session &session) {
   app.footer(examples);
   app.set_version_flag("--version", version_text, "Print the versions of dovetail and its libraries");
   app.require_subcommand(1);
-  const std::vector<Subcommand> subcommands{add_triangulate(app), add_generate(app),  add_verify(app),
-                                            add_info(app),        add_convert(app),   add_stats(app),
-                                            add_render(app),      add_constrain(app), add_refine(app)};
+  const std::vector<Subcommand> subcommands{
+      add_triangulate(app), add_generate(app), add_verify(app),    add_info(app),   add_convert(app),
+      add_stats(app),       add_render(app),   add_constrain(app), add_refine(app), add_insert(app)};
   try {
     refuse_unknown_command(app, session.command_line);
     app.parse(argc, argv);

@@ -3,6 +3,7 @@
 #include "options.hpp"
 #include "output.hpp"
 #include "plan.hpp"
+#include "points_read.hpp"
 #include "report.hpp"
 #include "split_trace.hpp"
 #include "text.hpp"
@@ -229,27 +230,10 @@ Report report_of(const TriangulateCommand &command, const Session &session, cons
   return report;
 }
 
-void print_input(const PointInput &input) {
-  const auto files = static_cast<GlobalIndex>(input.files.size());
-  print_row("read",
-            fmt::format("{} from {}", counted(input.read, "point", "points"),
-                        files == 1 ? input.files.front().file.path : counted(files, "file", "files")));
-  if (input.withheld > 0)
-    print_row("skipped", fmt::format("{} marked as withheld", counted(input.withheld, "point", "points")));
-  if (input.other_class > 0)
-    print_row("skipped", fmt::format("{} of other classes", counted(input.other_class, "point", "points")));
-  for (const AbsentAttribute &absent : input.absent)
-    print_row("notice", fmt::format("{} without {} got {}, because other files have it",
-                                    counted(absent.points, "point", "points"), absent.name,
-                                    absent.name == "z" ? "z = 0" : "NaN"));
-  if (input.mixed_coordinate_systems)
-    print_row("notice", "the files name different coordinate systems; coordinates are taken as they are");
-}
-
 void print_outcome(const TriangulateCommand &command, const Session &session, const Outcome &outcome) {
   const DistributedMesh &mesh = outcome.mesh;
   const GlobalIndex sites = mesh.site_count();
-  print_input(outcome.input);
+  print_points_read(outcome.input);
   print_row("sites", fmt::format("{}, and {} merged", with_separators(sites),
                                  counted(outcome.input.read - sites, "duplicate", "duplicates")));
   print_row("triangles", fmt::format("{} in {} cut along {}", with_separators(mesh.triangle_count()),
@@ -343,10 +327,6 @@ Examples:
 const std::map<std::string, AxisChoice> axis_choices{
     {"auto", AxisChoice::automatic}, {"x", AxisChoice::x}, {"y", AxisChoice::y}};
 const std::map<std::string, Kernel> kernels{{"merge", Kernel::merge}, {"split-path", Kernel::split_path}};
-const std::map<std::string, DuplicateRule> duplicate_rules{{"first", DuplicateRule::first},
-                                                           {"lowest", DuplicateRule::lowest},
-                                                           {"highest", DuplicateRule::highest},
-                                                           {"error", DuplicateRule::error}};
 
 } // namespace
 
@@ -362,9 +342,8 @@ Subcommand add_triangulate(CLI::App &app) {
       ->required()
       ->option_text("FILE (required)");
   add_class_option(*parser, command->reading.classes);
-  add_word_option(*parser, "--duplicates", command->slabs.duplicates, duplicate_rules,
-                  "Which of equal points is kept: first in the input, lowest or highest z")
-      ->option_text("first|lowest|highest|error [first]");
+  add_duplicates_option(*parser, command->slabs.duplicates,
+                        "Which of equal points is kept: first in the input, lowest or highest z");
   parser->add_option("--slabs", command->slabs.slabs, "Number of slabs, on all ranks together [by size]")
       ->check(CLI::Range(1, 1 << 24))
       ->option_text("N");

@@ -4,6 +4,8 @@
 #include "dovetail/geometry/predicates.hpp"
 #include "dovetail/mesh/checksum.hpp"
 #include "dovetail/mesh/divide_and_conquer.hpp"
+#include "open_sides.hpp"
+#include "slab_lines.hpp"
 
 #include <algorithm>
 #include <fmt/core.h>
@@ -75,25 +77,6 @@ std::vector<bool> path_vertices(const SlabView &slab, std::size_t vertices) {
   return on_path;
 }
 
-/// Which side of the slab's lines a triangle is on.
-class Lines {
-public:
-  explicit Lines(const SlabView &slab) {
-    const auto &lines = slab.slabs.lines;
-    if (slab.slab > 0)
-      left_ = SplitLine{lines[index(slab.slab - 1)], slab.slabs.axis};
-    if (index(slab.slab) < lines.size())
-      right_ = SplitLine{lines[index(slab.slab)], slab.slabs.axis};
-  }
-  bool hold_circumcenter(Point a, Point b, Point c) const {
-    return !(left_ && circumcenter_is_left(a, b, c, *left_)) &&
-           (!right_ || circumcenter_is_left(a, b, c, *right_));
-  }
-
-private:
-  std::optional<SplitLine> left_, right_;
-};
-
 /// What one pass over the kernel's triangles finds.
 struct Selection {
   std::vector<LocalIndex> removed;     ///< triangles that belong to other slabs, ascending
@@ -102,7 +85,7 @@ struct Selection {
 
 Selection select(const SlabView &slab, const std::vector<Point> &points, const Triangulation &triangles) {
   const std::vector<bool> on_path = path_vertices(slab, points.size());
-  const Lines lines(slab);
+  const SlabLines lines(slab.slabs.axis, slab.slabs.lines, slab.slab);
   const auto own = static_cast<LocalIndex>(slab.end - slab.begin);
   Selection selection;
   for (LocalIndex t = 0; t < triangles.triangle_count(); ++t) {
@@ -136,14 +119,6 @@ void keep_used_ghosts(const Selection &selection, const Path &foreign, SlabMesh 
       mesh.ghost_number.push_back(foreign[g].number);
     }
   for_ghost_corners([](LocalIndex &corner, LocalIndex number) { corner = number; });
-}
-
-std::vector<LocalIndex> sides_without_neighbour(const Triangulation &triangles) {
-  std::vector<LocalIndex> sides;
-  for (std::size_t side = 0; side < triangles.neighbours.size(); ++side)
-    if (triangles.neighbours[side] == none)
-      sides.push_back(static_cast<LocalIndex>(side));
-  return sides;
 }
 
 /// The paths and the kernel know nothing of each other, so that a fault of either shows here.
@@ -219,7 +194,7 @@ void remove_triangles(Triangulation &triangles, std::span<const LocalIndex> remo
 LoneSlab triangulate_slab(const Region &region, int k, const KernelChoice &kernel) {
   LoneSlab slab;
   slab.mesh = mesh_of(view(region, k), kernel);
-  slab.open_sides = sides_without_neighbour(slab.mesh.triangles);
+  slab.open_sides = open_sides(slab.mesh.triangles);
   slab.checksum = checksum_of(slab.mesh);
   return slab;
 }

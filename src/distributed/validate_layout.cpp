@@ -8,7 +8,6 @@
 
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 namespace dovetail::validation {
@@ -218,23 +217,26 @@ bool check_soundness(const Communicator &comm, const DistributedMesh &common, co
 
 namespace {
 
-/// The lines whose last site before them the slab owns.
+/// The lines that have one of the slab's own sites just before or just behind them.
 void check_lines(const DistributedMesh &mesh, const SlabMesh &slab, Findings &findings) {
   const std::vector<GlobalIndex> &offsets = mesh.site_offsets;
-  if (slab.own_count == 0)
-    return;
-  // Before a line that follows no site, the first site of all counts.
-  const GlobalIndex lowest = slab.first_site == 0 ? 0 : slab.first_site + 1;
-  for (auto offset = std::lower_bound(offsets.begin() + 1, offsets.end() - 1, lowest);
-       offset < offsets.end() - 1 && *offset <= slab.first_site + slab.own_count; ++offset) {
-    const GlobalIndex before = std::max<GlobalIndex>(*offset - 1, 0);
-    const std::ptrdiff_t line = offset - offsets.begin() - 1;
-    const double expected = across(slab.vertices.points[at(before - slab.first_site)], mesh.axis);
-    if (!(mesh.lines[at(line)] == expected))
-      findings.add(ViolationKind::line, [&] {
-        return fmt::format("the line left of slab {} is at {:.17g}, and site {} before it at {:.17g}",
-                           line + 1, mesh.lines[at(line)], before, expected);
-      });
+  const GlobalIndex end = slab.first_site + slab.own_count;
+  for (auto offset = std::lower_bound(offsets.begin() + 1, offsets.end() - 1, slab.first_site);
+       offset < offsets.end() - 1 && *offset <= end; ++offset) {
+    const std::ptrdiff_t s = offset - offsets.begin();
+    const double line = mesh.lines[at(s - 1)];
+    const auto check = [&](GlobalIndex site, bool is_before) {
+      if (site < slab.first_site || site >= end)
+        return;
+      const double position = across(slab.vertices.points[at(site - slab.first_site)], mesh.axis);
+      if (!std::isfinite(line) || !(is_before ? position <= line : line <= position))
+        findings.add(ViolationKind::line, [&] {
+          return fmt::format("the line left of slab {} is at {:.17g}, and site {} {} it at {:.17g}", s, line,
+                             site, is_before ? "before" : "behind", position);
+        });
+    };
+    check(*offset - 1, true);
+    check(*offset, false);
   }
 }
 
@@ -263,6 +265,9 @@ void gather_order(const DistributedMesh &common, const SlabMesh &slab, Gathered 
     gathered.last_site = site;
   }
   check_lines(common, slab, findings);
+  gathered.slab_ends.push_back(
+      slab.own_count > 0 ? SlabEnds{point_of(slab, 0), point_of(slab, slab.own_count - 1), slab.own_count}
+                         : SlabEnds{{0, 0}, {0, 0}, 0});
 }
 
 void check_order_across_ranks(const Communicator &comm, const DistributedMesh &common,
@@ -295,15 +300,27 @@ void check_on_line(const DistributedMesh &common, const PointTable &vertices, st
   }
 }
 
+/// Of collinear sites in a row across the lines, which is nearest to the line left of slab s: the one before
+/// it or the one behind it.
+GlobalIndex nearest_in_row(const DistributedMesh &common, const std::vector<SlabEnds> &ends, std::size_t s) {
+  const auto line = static_cast<std::ptrdiff_t>(s);
+  const auto has_sites = [](const SlabEnds &slab) { return slab.count > 0; };
+  const auto behind = std::find_if(ends.begin() + line, ends.end(), has_sites);
+  const auto before = std::find_if(ends.rend() - line, ends.rend(), has_sites);
+  const GlobalIndex border = common.site_offsets[s];
+  if (before == ends.rend() || behind == ends.end())
+    return before == ends.rend() ? border : border - 1;
+  return exact::nearer(behind->first, before->last, {common.lines[s - 1], common.axis}) ? border : border - 1;
+}
+
 /// Local. Sites on a line parallel to the cuts' normal have one-site paths, the nearest to each line; of all
 /// others every split line meets every cell.
-void check_path_on_line(const DistributedMesh &common, std::size_t s, Point first, Point last,
-                        const std::vector<GlobalIndex> &path, Findings &findings) {
+void check_path_on_line(const DistributedMesh &common, const std::vector<SlabEnds> &ends, std::size_t s,
+                        Point first, Point last, const std::vector<GlobalIndex> &path, Findings &findings) {
   const bool single = along(first, common.axis) == along(last, common.axis);
   const bool descending = along(first, common.axis) > along(last, common.axis);
   std::vector<GlobalIndex> expected(at(single ? 1 : common.site_count()));
-  std::iota(expected.begin(), expected.end(),
-            single ? std::max<GlobalIndex>(common.site_offsets[s] - 1, 0) : 0);
+  std::iota(expected.begin(), expected.end(), single ? nearest_in_row(common, ends, s) : 0);
   if (descending)
     std::reverse(expected.begin(), expected.end());
   if (path != expected)
@@ -324,25 +341,16 @@ void check_collinear(const Communicator &comm, SlabSource &source, const Gathere
                  [&] { return fmt::format("{} hull edges of no triangles", common.hull_edges); });
   if (common.site_count() == 0)
     return;
-  // The first and the last site of all.
-  std::vector<double> ends(4, -std::numeric_limits<double>::infinity());
-  if (gathered.first_site && gathered.first_site->number == 0) {
-    ends[0] = gathered.first_site->point.x;
-    ends[1] = gathered.first_site->point.y;
-  }
-  if (gathered.last_site && gathered.last_site->number == common.site_count() - 1) {
-    ends[2] = gathered.last_site->point.x;
-    ends[3] = gathered.last_site->point.y;
-  }
-  ends = all_reduce_max(comm, ends);
-  const Point first{ends[0], ends[1]};
-  const Point last{ends[2], ends[3]};
+  const std::vector<SlabEnds> ends = all_gather_bulk<SlabEnds>(comm, gathered.slab_ends).data;
+  const auto has_sites = [](const SlabEnds &slab) { return slab.count > 0; };
+  const Point first = std::ranges::find_if(ends, has_sites)->first;
+  const Point last = std::find_if(ends.rbegin(), ends.rend(), has_sites)->last;
   collectively(comm, checking_text, [&] {
     for (int k = 0; k < source.own_slab_count(); ++k) {
       const std::size_t s = at(common.first_slab + k);
       check_on_line(common, source.vertices(k), s, first, last, findings);
       if (s > 0)
-        check_path_on_line(common, s, first, last, gathered.left_paths[at(k)], findings);
+        check_path_on_line(common, ends, s, first, last, gathered.left_paths[at(k)], findings);
     }
   });
 }

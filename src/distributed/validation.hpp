@@ -200,6 +200,12 @@ struct SiteAt {
   Point point;
 };
 
+/// The first and the last of a slab's own sites, if it has any.
+struct SlabEnds {
+  Point first, last;
+  std::int64_t count;
+};
+
 /// What one reading of all slabs of a rank leaves behind.
 struct Gathered {
   std::vector<BorderNotice> borders;
@@ -207,6 +213,7 @@ struct Gathered {
   std::vector<PathNotice> path_edges;
   std::vector<std::vector<GlobalIndex>> left_paths; ///< one an own slab
   std::optional<SiteAt> first_site, last_site;      ///< of the rank
+  std::vector<SlabEnds> slab_ends;                  ///< one an own slab
   std::vector<std::uint64_t> attribute_names;       ///< one hash an own slab
   std::uint64_t checksum = 0;
   InputDigest digest;    ///< of sites and duplicates

@@ -1,9 +1,10 @@
 // Reading a mesh. Every rank opens the file for itself and reads its slabs' rows: no collective call, so
 // whatever a broken file does to HDF5, it does on one rank, which tells the others afterwards.
-#include "dovetail/io/mesh.hpp"
+#include "dovetail/io/mesh_to_grow.hpp"
 
 #include "vtkhdf_header.hpp"
 
+#include "dovetail/base/huge_pages.hpp"
 #include "dovetail/comm/agreement.hpp"
 #include "dovetail/comm/collectives.hpp"
 
@@ -87,8 +88,9 @@ double numbers_of_slabs(const Header &header, int first, int end) {
 class SlabReader {
 public:
   /// `done` counts numbers.
-  SlabReader(const Reader &reader, const Header &header, ProgressCount &done)
-      : reader_(reader), header_(header), columns_(open_columns(reader, header)), done_(done) {}
+  SlabReader(const Reader &reader, const Header &header, ProgressCount &done, GlobalIndex growth = 0)
+      : reader_(reader), header_(header), growth_(growth), columns_(open_columns(reader, header)),
+        done_(done) {}
 
   SlabMesh read(int s) const {
     const Extents &extents = header_.extents;
@@ -138,9 +140,30 @@ public:
   }
 
 private:
-  /// Rows first .. first + count - 1 of a column of single numbers.
-  template <class T> std::vector<T> rows(const Column &column, GlobalIndex first, GlobalIndex count) const {
-    std::vector<T> values(at(count));
+  /// How many vertices slab s is to have room for beyond those that it has: new ones, and those of its two
+  /// paths.
+  GlobalIndex room(int s) const {
+    if (growth_ == 0)
+      return 0;
+    const auto &paths = header_.extents.paths;
+    const std::size_t beyond = std::min(at(s) + 2, paths.size() - 1);
+    return growth_ + paths[beyond] - paths[at(s)];
+  }
+
+  /// So many values to be read over, and room for `more`.
+  template <class T> static std::vector<T> array_of(GlobalIndex count, GlobalIndex more) {
+    std::vector<T> values;
+    if (more > 0)
+      reserve_huge(values, at(count + more));
+    values.resize(at(count));
+    return values;
+  }
+
+  /// Rows first .. first + count - 1 of a column of single numbers; room for `more`.
+  template <class T>
+  std::vector<T> rows(const Column &column, GlobalIndex first, GlobalIndex count,
+                      GlobalIndex more = 0) const {
+    auto values = array_of<T>(count, more);
     const std::int64_t step = hdf5::rows_within<T>(buffer_bytes, 1);
     for (std::int64_t begin = 0; begin < count; begin += step) {
       const std::int64_t part = std::min(step, count - begin);
@@ -188,7 +211,7 @@ private:
   void read_vertices(int s, SlabMesh &slab) const {
     const GlobalIndex first = header_.extents.vertices[at(s)];
     const GlobalIndex count = header_.extents.vertices[at(s) + 1] - first;
-    slab.vertices = table(first, count);
+    slab.vertices = table(first, count, room(s));
     expect<std::uint8_t>(columns_.ghost_type, first, count, [&](auto v) {
       return v < slab.own_count ? std::uint8_t{0} : vtkhdf::duplicate_point;
     });
@@ -198,16 +221,16 @@ private:
         rows<GlobalIndex>(columns_.global_number, first + slab.own_count, count - slab.own_count);
   }
 
-  /// Rows first .. first + count - 1 of all vertices.
-  PointTable table(GlobalIndex first, GlobalIndex count) const {
+  /// Rows first .. first + count - 1 of all vertices; room for `more`.
+  PointTable table(GlobalIndex first, GlobalIndex count, GlobalIndex more = 0) const {
     PointTable table;
-    table.points.resize(at(count));
+    table.points = array_of<Point>(count, more);
     auto column = columns_.attributes.begin();
     double *z = nullptr;
     for (const std::string &name : header_.attribute_names) {
       const bool is_z = name == vtkhdf::z_attribute;
       table.attributes.push_back(
-          {name, is_z ? std::vector<double>(at(count)) : rows<double>(*column++, first, count)});
+          {name, is_z ? array_of<double>(count, more) : rows<double>(*column++, first, count, more)});
       if (is_z)
         z = table.attributes.back().values.data(); // a vector keeps its place when it is moved
     }
@@ -220,15 +243,16 @@ private:
           refuse_height(first + v, in[2]);
       }
     });
-    table.input_index = rows<GlobalIndex>(columns_.input_index, first, count);
+    table.input_index = rows<GlobalIndex>(columns_.input_index, first, count, more);
     return table;
   }
 
   void read_triangles(int s, SlabMesh &slab) const {
     const GlobalIndex first = header_.extents.triangles[at(s)];
     const GlobalIndex count = header_.extents.triangles[at(s) + 1] - first;
-    slab.triangles.corners = rows<LocalIndex>(columns_.connectivity, 3 * first, 3 * count);
-    slab.triangles.neighbours.resize(at(3 * count));
+    const GlobalIndex more = 6 * room(s); // sides: of two triangles a vertex
+    slab.triangles.corners = rows<LocalIndex>(columns_.connectivity, 3 * first, 3 * count, more);
+    slab.triangles.neighbours = array_of<LocalIndex>(3 * count, more);
     read_in_pieces<std::int64_t>(
         columns_.neighbours, first, count, [&](auto begin, auto end, const std::int64_t *in) {
           for (auto side = 3 * begin; side < 3 * end; ++side) {
@@ -246,6 +270,7 @@ private:
 
   const Reader &reader_;
   const Header &header_;
+  GlobalIndex growth_; ///< new vertices that every slab is to have room for
   Columns columns_;
   ProgressCount &done_;
 };
@@ -267,7 +292,8 @@ DistributedMesh common_of(const Header &header, int rank, int ranks) {
 }
 
 /// Local.
-DistributedMesh read_slabs(const std::string &path, int rank, int ranks, const Progress &progress) {
+DistributedMesh read_slabs(const std::string &path, int rank, int ranks, GlobalIndex growth,
+                           const Progress &progress) {
   const Reader reader(path);
   const Header header = reader.read_header();
   DistributedMesh mesh = common_of(header, rank, ranks);
@@ -275,7 +301,7 @@ DistributedMesh read_slabs(const std::string &path, int rank, int ranks, const P
     reader.read_sides(header, *mesh.domain);
   const int end = first_slab_of_rank(header.extents.slabs(), rank + 1, ranks);
   ProgressCount done(progress, "read", numbers_of_slabs(header, mesh.first_slab, end));
-  const SlabReader slab_reader(reader, header, done);
+  const SlabReader slab_reader(reader, header, done, growth);
   for (int s = mesh.first_slab; s < end; ++s)
     mesh.slabs.push_back(slab_reader.read(s));
   mesh.duplicates = slab_reader.read_duplicates(mesh.first_slab, end);
@@ -351,7 +377,13 @@ Box read_box(const Reader &reader, const Header &header, int rank, int ranks) {
 } // namespace
 
 DistributedMesh read_mesh(const Communicator &comm, const std::string &path, const Progress &progress) {
-  return collectively_on(comm, path, [&] { return read_slabs(path, comm.rank(), comm.size(), progress); });
+  return read_mesh_to_grow(comm, path, 0, progress);
+}
+
+DistributedMesh read_mesh_to_grow(const Communicator &comm, const std::string &path, GlobalIndex growth,
+                                  const Progress &progress) {
+  return collectively_on(comm, path,
+                         [&] { return read_slabs(path, comm.rank(), comm.size(), growth, progress); });
 }
 
 std::unique_ptr<SlabSource> open_mesh(const Communicator &comm, const std::string &path) {

@@ -7,7 +7,8 @@ import unittest
 import harness
 from harness import dovetail, write_las
 
-SUBCOMMANDS = ("triangulate", "generate", "verify", "info", "convert", "stats", "render", "constrain", "refine")
+SUBCOMMANDS = ("triangulate", "generate", "verify", "info", "convert", "stats", "render", "insert", "constrain",
+               "refine")
 
 
 def examples(*command):
@@ -52,7 +53,7 @@ class Help(harness.TestCase):
     def test_examples(self):
         # In the order in which one makes what the next reads.
         for command in ((), ("generate",), ("triangulate",), ("verify",), ("info",), ("convert",), ("stats",),
-                        ("render",), ("constrain",), ("refine",)):
+                        ("render",), ("insert",), ("constrain",), ("refine",)):
             for words in examples(*command):
                 with self.subTest(example=" ".join(words)):
                     self.run_example(words)

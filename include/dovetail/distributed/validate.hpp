@@ -25,7 +25,7 @@ enum class ViolationKind : std::uint8_t {
   layout,      ///< array sizes and index ranges do not fit together; nothing else is checked then
   coordinate,  ///< not finite, or -0.0
   order,       ///< own sites not strictly ascending in the total order, within or across slabs
-  line,        ///< a split line is not where the site before it is
+  line,        ///< a split line is not between the sites before and behind it
   orientation, ///< a triangle is not counter-clockwise, or has a corner twice
   slab,        ///< a circumcenter is not between its slab's lines
   adjacency,   ///< a neighbour does not have the same edge, reversed, with this triangle beyond

@@ -1,0 +1,182 @@
+#include "growing_slab.hpp"
+
+#include "dovetail/mesh/divide_and_conquer.hpp"
+
+#include <fmt/format.h>
+
+namespace dovetail::insertion {
+namespace {
+
+/// Puts `added` into a column that had `old_count` values in the total order, and drops what is behind them.
+template <class T>
+void insert_values(std::vector<T> &column, std::size_t old_count, const SlabArrivals &arrivals,
+                   std::span<const T> added) {
+  column.resize(old_count);
+  column.resize(old_count + added.size());
+  auto end = static_cast<std::ptrdiff_t>(old_count);
+  for (std::size_t j = added.size(); j-- > 0;) {
+    const std::ptrdiff_t place = arrivals.places[j], to = place + static_cast<std::ptrdiff_t>(j);
+    std::move_backward(column.begin() + place, column.begin() + end,
+                       column.begin() + end + static_cast<std::ptrdiff_t>(j) + 1);
+    column[at(to)] = added[j];
+    end = place;
+  }
+}
+
+/// Where a block of consecutive vertices goes, if at most one new site comes between them: few sites into
+/// many leave few other blocks, and a table of blocks stays in the cache, which one of all vertices does not.
+struct BlockMove {
+  static constexpr int bits = 8;
+  static constexpr LocalIndex irregular = none;
+  LocalIndex distance = irregular;
+  LocalIndex step = 0; ///< from this vertex on one more
+};
+
+std::vector<BlockMove> moves_of_blocks(std::span<const LocalIndex> places, LocalIndex old_own) {
+  std::vector<BlockMove> moves((places.size() >> BlockMove::bits) + 1);
+  for (std::size_t b = 0; (b + 1) << BlockMove::bits <= at(old_own); ++b) {
+    const std::size_t first = b << BlockMove::bits, end = first + (std::size_t{1} << BlockMove::bits);
+    const auto distance = [&](std::size_t v) { return places[v] - static_cast<LocalIndex>(v); };
+    if (distance(end - 1) > distance(first) + 1)
+      continue;
+    std::size_t step = first;
+    while (step < end && distance(step) == distance(first))
+      ++step;
+    moves[b] = {distance(first), static_cast<LocalIndex>(step)};
+  }
+  return moves;
+}
+
+} // namespace
+
+GrowingSlab::GrowingSlab(SlabMesh &slab, const Growth &growth)
+    : slab_(slab), growth_(growth), arrivals_(growth.placement.arrivals(growth.k)),
+      first_site_(growth.placement.site_offsets[at(growth.slab)]) {
+  std::vector<Point> &points = slab.vertices.points;
+  const std::span<const Point> added = growth.placement.points(growth.k);
+  const SlabPaths &paths = growth.paths;
+  for (std::size_t g = 0; g < slab.ghost_number.size(); ++g)
+    foreign_.emplace_back(slab.ghost_number[g], slab.own_count + static_cast<LocalIndex>(g));
+  append_foreign({&paths.old_left, &paths.old_right});
+  first_new_ = count();
+  points.insert(points.end(), added.begin(), added.end());
+  append_foreign({&paths.left, &paths.right});
+  if (points.size() > most_delaunay_sites)
+    throw Error({ErrorKind::resource, fmt::format("slab {}", growth.slab), "",
+                 fmt::format("{} sites with those of its paths, more than the {} that one slab can have",
+                             points.size(), most_delaunay_sites),
+                 "triangulate all points anew, with more slabs (--slabs)"});
+
+  on_path_.assign(points.size(), false);
+  for (const auto &[number, vertex] : foreign_)
+    on_path_[at(vertex)] = true;
+  for (const Path *path : {&paths.old_left, &paths.old_right, &paths.left, &paths.right})
+    for (const PathSite &site : *path)
+      on_path_[at(vertex_of(site.number))] = true;
+}
+
+void GrowingSlab::append_foreign(std::initializer_list<const Path *> paths) {
+  const std::size_t known = foreign_.size();
+  const auto is_known = [&](GlobalIndex number) {
+    const auto end = foreign_.begin() + static_cast<std::ptrdiff_t>(known);
+    const auto found = std::lower_bound(foreign_.begin(), end, std::pair(number, LocalIndex{0}));
+    return found != end && found->first == number;
+  };
+  Path further;
+  for (const Path *path : paths)
+    std::ranges::copy_if(*path, std::back_inserter(further), [&](const PathSite &site) {
+      return !is_own(site.number) && !is_known(site.number);
+    });
+  std::ranges::sort(further, {}, &PathSite::number);
+  const auto same = [](const PathSite &a, const PathSite &b) { return a.number == b.number; };
+  further.erase(std::unique(further.begin(), further.end(), same), further.end());
+  for (const PathSite &site : further) {
+    foreign_.emplace_back(site.number, count());
+    slab_.vertices.points.push_back(site.point);
+  }
+  std::ranges::sort(foreign_);
+}
+
+LocalIndex GrowingSlab::vertex_of(GlobalIndex number) const {
+  if (!is_own(number))
+    return std::lower_bound(foreign_.begin(), foreign_.end(), std::pair(number, LocalIndex{0}))->second;
+  // New site j becomes own site places[j] + j, which ascends.
+  const auto place = static_cast<LocalIndex>(number - first_site_);
+  std::size_t low = 0, high = arrivals_.places.size();
+  while (low < high) {
+    const std::size_t middle = low + (high - low) / 2;
+    (arrivals_.place_of_new(middle) < place ? low : high) =
+        arrivals_.place_of_new(middle) < place ? middle + 1 : middle;
+  }
+  const auto j = static_cast<LocalIndex>(low);
+  const bool is_new = low < arrivals_.places.size() && arrivals_.place_of_new(low) == place;
+  return is_new ? first_new_ + j : place - j;
+}
+
+std::vector<LocalIndex> GrowingSlab::new_places() const {
+  std::vector<LocalIndex> places(slab_.vertices.points.size());
+  LocalIndex v = 0;
+  for (std::size_t j = 0; j <= arrivals_.places.size(); ++j)
+    for (const LocalIndex end = j < arrivals_.places.size() ? arrivals_.places[j] : old_own(); v < end; ++v)
+      places[at(v)] = v + static_cast<LocalIndex>(j);
+  for (std::size_t j = 0; j < arrivals_.places.size(); ++j)
+    places[at(first_new_) + j] = arrivals_.place_of_new(j);
+  for (std::size_t g = 0; g < foreign_.size(); ++g)
+    places[at(foreign_[g].second)] = new_own() + static_cast<LocalIndex>(g);
+  return places;
+}
+
+std::vector<std::size_t> GrowingSlab::renumber_corners() {
+  const std::vector<LocalIndex> places = new_places();
+  const std::vector<BlockMove> moves = moves_of_blocks(places, old_own());
+  const LocalIndex own = new_own();
+  std::vector<std::size_t> with_ghosts;
+  std::vector<LocalIndex> &corners = slab_.triangles.corners;
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    const LocalIndex v = corners[c];
+    const BlockMove move = moves[at(v >> BlockMove::bits)];
+    if (move.distance != BlockMove::irregular) {
+      corners[c] = v + move.distance + static_cast<LocalIndex>(v >= move.step);
+      continue;
+    }
+    corners[c] = places[at(v)];
+    if (corners[c] >= own)
+      with_ghosts.push_back(c);
+  }
+  return with_ghosts;
+}
+
+void GrowingSlab::settle() {
+  const std::vector<std::size_t> with_ghosts = renumber_corners();
+  std::vector<LocalIndex> ghosts(foreign_.size(), none);
+  for (const std::size_t c : with_ghosts)
+    ghosts[at(slab_.triangles.corners[c] - new_own())] = 0;
+  std::vector<Point> ghost_points;
+  slab_.ghost_number.clear();
+  for (std::size_t g = 0; g < foreign_.size(); ++g)
+    if (ghosts[g] != none) {
+      ghosts[g] = new_own() + static_cast<LocalIndex>(ghost_points.size());
+      ghost_points.push_back(points()[at(foreign_[g].second)]);
+      slab_.ghost_number.push_back(foreign_[g].first);
+    }
+  for (const std::size_t c : with_ghosts)
+    slab_.triangles.corners[c] = ghosts[at(slab_.triangles.corners[c] - new_own())];
+
+  const PointTable &sites = growth_.placement.sites;
+  const auto added = [&]<class T>(const std::vector<T> &column) {
+    return std::span<const T>(column).subspan(growth_.placement.begins[growth_.k], arrivals_.places.size());
+  };
+  const std::size_t old_count = at(old_own());
+  PointTable &table = slab_.vertices;
+  slab_.own_count = new_own();
+  slab_.first_site = first_site_;
+  insert_values(table.points, old_count, arrivals_, added(sites.points));
+  insert_values(table.input_index, old_count, arrivals_, added(sites.input_index));
+  for (std::size_t a = 0; a < table.attributes.size(); ++a)
+    insert_values(table.attributes[a].values, old_count, arrivals_, added(sites.attributes[a].values));
+  table.points.insert(table.points.end(), ghost_points.begin(), ghost_points.end());
+  slab_.left_path.clear();
+  std::ranges::transform(growth_.paths.left, std::back_inserter(slab_.left_path), &PathSite::number);
+}
+
+} // namespace dovetail::insertion

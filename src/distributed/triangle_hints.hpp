@@ -1,0 +1,31 @@
+/// Where walks to many points in one mesh are best begun. Private to distributed. Local.
+#pragma once
+
+#include "dovetail/mesh/triangulation.hpp"
+
+#include <span>
+#include <vector>
+
+namespace dovetail {
+
+/// A sample of a mesh's triangles on a grid: some for each of the points that will be asked about, so that a
+/// walk takes about as many steps as the square root of triangles to a point says.
+class TriangleHints {
+public:
+  /// A grid over the box of `points`. Looks at a few triangles for every point.
+  TriangleHints(std::span<const Point> vertices, const Triangulation &mesh, std::span<const Point> points);
+
+  /// A triangle near to one of the points; `none` where the sample has none. Those that have been changed
+  /// since may be elsewhere.
+  LocalIndex near(Point point) const { return cells_[cell(point)]; }
+
+private:
+  std::size_t cell(Point point) const;
+
+  Point low_{0, 0};
+  double per_x_ = 0, per_y_ = 0; ///< cells in a unit of length
+  std::size_t side_ = 1;         ///< of the grid
+  std::vector<LocalIndex> cells_;
+};
+
+} // namespace dovetail
