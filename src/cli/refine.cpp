@@ -58,7 +58,9 @@ struct Start {
 };
 
 DomainJob job_of_points(const RefineCommand &command, const Communicator &comm, const Progress &progress) {
-  const PointInput input = read_points(comm, std::span(&command.input, 1), {.progress = progress});
+  PointReading reading;
+  reading.progress = progress;
+  const PointInput input = read_points(comm, std::span(&command.input, 1), reading);
   DomainJob job;
   job.input = command.input;
   SegmentSet set;
