@@ -297,6 +297,7 @@ TEST(Refine, NothingAndNonsense) {
   const Domain line = constrained({.vertices = {{0, 0}, {1, 0}, {2, 0}},
                                    .vertex_markers = {},
                                    .segments = {{0, 1, 1}},
+                                   .is_line = {},
                                    .holes = {},
                                    .regions = {}});
   EXPECT_EQ(refined(line, 20).mesh.vertices.size(), 3U);
