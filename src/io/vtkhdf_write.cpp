@@ -70,6 +70,7 @@ MeshOutline outline_of(const Communicator &comm, const DistributedMesh &mesh) {
   outline.mesh.lines = mesh.lines;
   outline.mesh.digest = mesh.digest;
   outline.mesh.coordinate_system = mesh.coordinate_system;
+  outline.mesh.domain = mesh.domain;
   outline.mesh.first_slab = mesh.first_slab;
   outline.own_slabs = static_cast<int>(mesh.slabs.size());
   outline.attribute_names = gather_attribute_names(comm, mesh);
