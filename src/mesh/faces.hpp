@@ -27,7 +27,7 @@ struct alignas(32) Face {
 };
 
 /// Four half-edges a triangle, one of them unused, are numbered by LocalIndex.
-inline constexpr std::size_t most_faces = std::size_t{1} << 29;
+inline constexpr std::size_t most_faces = (std::size_t{1} << 29) - 1;
 
 constexpr LocalIndex face_of(HalfEdge h) { return h >> 2; }
 constexpr int side_of(HalfEdge h) { return h & 3; }

@@ -108,7 +108,7 @@ void Refinement::look_at_subsegment(HalfEdge h) {
   const LocalIndex from = faces_.from(h), to = faces_.to(h);
   const Point apex = point(faces_.apex(h));
   if (dot(point(from) - apex, point(to) - apex) < 0)
-    encroached_.push_back({h, from, to});
+    encroached_.push_back({h, from, to, tile_});
 }
 
 void Refinement::look_at_triangle(LocalIndex t, const SquaredSides &sides) {
@@ -184,6 +184,7 @@ void Refinement::look_at_fan(const Cavity &cavity) {
 void Refinement::split_encroached() {
   const Subsegment subsegment = encroached_.back();
   encroached_.pop_back();
+  tile_ = subsegment.tile;
   const HalfEdge h = subsegment.side;
   if (faces_.is_segment(h) && faces_.from(h) == subsegment.from && faces_.to(h) == subsegment.to)
     split(h);
@@ -277,7 +278,7 @@ bool Refinement::encroaches(Point p) {
     const RimEdge &edge = cavity_.rim[k], &after = cavity_.rim[k + 1];
     if (edge.segment != none && (dot(edge.from_point - p, after.from_point - p) < 0 ||
                                  orientation(edge.from_point, after.from_point, p) != Sign::positive))
-      blocking_.push_back({edge.inside, edge.from, after.from});
+      blocking_.push_back({edge.inside, edge.from, after.from, tile_});
   }
   return !blocking_.empty();
 }

@@ -31,6 +31,11 @@ private:
   struct Subsegment {
     HalfEdge side;
     LocalIndex from, to;
+    SkinnyQueue::Tile tile;
+  };
+  struct Left {
+    std::array<LocalIndex, 3> corner; ///< the face is still the same if it has these
+    LeftReason reason;
   };
 
   std::vector<LeftTriangle> triangles_left() const;
@@ -84,15 +89,11 @@ private:
   std::vector<Subsegment> encroached_;
   Tiles tiles_;
   SkinnyQueue skinny_;
-  SkinnyQueue::Tile tile_ = 0; ///< of what is being looked at
+  SkinnyQueue::Tile tile_ = 0; ///< of what is being looked at, split or inserted into
   CavitySearch search_;
   Cavity cavity_, right_cavity_;
-  std::vector<Subsegment> blocking_; ///< subsegments that a point would encroach on
-  struct Left {
-    std::array<LocalIndex, 3> corner;
-    LeftReason reason;
-  };
-  std::unordered_map<LocalIndex, Left> left_triangles_;         ///< by face
+  std::vector<Subsegment> blocking_;                    ///< subsegments that a point would encroach on
+  std::unordered_map<LocalIndex, Left> left_triangles_; ///< by face
   std::unordered_map<std::uint64_t, LeftReason> left_segments_; ///< by both ends
   bool full_ = false;                                           ///< no more points
 };
