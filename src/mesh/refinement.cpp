@@ -156,7 +156,7 @@ double Refinement::field_limit(const Face &face) const {
   return std::sqrt(3.0) / 4 * size * size;
 }
 
-void Refinement::extend_size(const Cavity &cavity, LocalIndex v) {
+void Refinement::extend_size(const SteinerCavity &cavity, LocalIndex v) {
   if (options_.growth == 0)
     return;
   size_.resize(vertices_.size(), HUGE_VAL);
@@ -165,7 +165,7 @@ void Refinement::extend_size(const Cavity &cavity, LocalIndex v) {
                                size_[index(edge.from)] + options_.growth * std::sqrt(edge.squared_distance));
 }
 
-void Refinement::look_at_fan(const Cavity &cavity) {
+void Refinement::look_at_fan(const SteinerCavity &cavity) {
   const std::size_t count = cavity.edge_count();
   for (std::size_t k = 0; k < count; ++k) {
     const RimEdge &edge = cavity.rim[k], &after = cavity.rim[k + 1];
@@ -232,7 +232,7 @@ std::optional<Point> Refinement::split_point(HalfEdge h) const {
   return {};
 }
 
-double Refinement::least_squared_distance(const Cavity &cavity) const {
+double Refinement::least_squared_distance(const SteinerCavity &cavity) const {
   double least = HUGE_VAL;
   for (const RimEdge &edge : cavity.rim)
     least = std::min(least, edge.squared_distance);
