@@ -39,7 +39,7 @@ struct Place {
   int side; ///< for `vertex` the corner; meaningless for `inside`
 };
 
-namespace walk {
+namespace visibility_walk {
 
 template <class Locked> struct Walk {
   std::span<const Point> sites;
@@ -130,7 +130,7 @@ template <class Locked> struct Walk {
   }
 };
 
-} // namespace walk
+} // namespace visibility_walk
 
 /// The place of a point; `hint` is any triangle. On a locked edge is `edge`, at its ends `vertex`. `outside`
 /// means outside of the hull where the border is convex; `outside` and `blocked` mean elsewhere that the walk
@@ -139,7 +139,7 @@ template <class Locked = NothingLocked>
 Place locate(std::span<const Point> sites, const Triangulation &mesh, Point point, LocalIndex hint,
              const Locked &locked = {}) {
   assert(hint >= 0 && hint < mesh.triangle_count());
-  walk::Walk<Locked> walk{sites, mesh, point, locked, hint, mesh.triangle_count()};
+  visibility_walk::Walk<Locked> walk{sites, mesh, point, locked, hint, mesh.triangle_count()};
   Place place;
   do
     if (walk.stride())
