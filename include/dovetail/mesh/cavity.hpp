@@ -197,6 +197,7 @@ void find_cavity(std::span<const Point> sites, const Triangulation &mesh, Point 
                  Cavity &found, const Locked &locked = {}) {
   found.triangles.clear();
   found.edges.clear();
+  found.fronts.clear(); // not empty if `locked` has thrown
   found.split = none;
   found.closed = true;
   found.has_locked_side = false;

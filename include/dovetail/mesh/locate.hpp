@@ -114,7 +114,7 @@ template <class Locked> struct Walk {
     for (; steps_left > 0; --steps_left) {
       const Seen tip = see(half_edge(triangle, entered));
       const filter::Bounded left = filter::turn(ends[0], tip), right = filter::turn(tip, ends[1]);
-      if (!(left.is_decided() & right.is_decided()))
+      if (!left.is_decided() || !right.is_decided())
         return false;
       // Which of the two sides is as good as random: no branch on it.
       const bool beyond_left = left.value < 0;
