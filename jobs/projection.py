@@ -110,9 +110,6 @@ def growths(rounds, network):
     def moved(r):  # bytes of the points that are not at home already, each with its index
         return 24 * r["points"] / ranks(r) * (1 - 1 / ranks(r))
 
-    def sample(r):  # bytes of the root's sample of points, from which it chooses the axis, shared by all
-        return 16 * min(r["points"], 1 << 14) * (1 - 1 / ranks(r)) / ranks(r)
-
     def sort_seconds(r):
         return (rounds * network.all_reduce(ranks(r), 8 * ranks(r)) + 4 * network.all_to_all(ranks(r), 8)
                 + moved(r) / network.bandwidth)
@@ -135,7 +132,9 @@ def growths(rounds, network):
     return {
         "sort": (Growth(sort_seconds, one, depth),
                  # A border that is found drops out of the rounds, so their number is not all there is to know.
-                 Growth(lambda r: moved(r) + sample(r) + 4 * counted(r), depth, lambda r: ranks(r) * depth(r)),
+                 # And every rank sends, and gets, a sample of some size, from which the axis is chosen.
+                 Growth(lambda r: moved(r) + 4 * counted(r), depth, lambda r: ranks(r) * depth(r),
+                        lambda r: 1 - 1 / ranks(r)),
                  Growth(lambda r: 4 * (ranks(r) - 1), depth)),
         "split": (Growth(nothing, one, depth_of_halves, paths_sent),
                   Growth(lambda r: 4 * counted(r), depth_of_halves, paths_sent),

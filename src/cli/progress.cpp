@@ -103,12 +103,19 @@ void ProgressMeter::wipe_locked() {
   std::fflush(stderr);
 }
 
+/// Whether the stage under way has told enough to be judged by it: its first moments may be fast ones, say
+/// into a cache, and a percent that has been shown stays.
+bool ProgressMeter::is_measured(Clock::time_point now) const {
+  constexpr double too_young = 0.1;
+  return told_ > 0 && seconds_between(stage_start_, now) >= too_young * seconds_between(start_, stage_start_);
+}
+
 /// How long the stage under way takes from its beginning to its end, as far as anybody can know.
 std::optional<double> ProgressMeter::stage_seconds(Clock::time_point now, double weight_before) const {
   const double in_stage = seconds_between(stage_start_, now);
   if (told_ >= 1) // all that tells is done, here; the rest of it, or other ranks, are under way
     return std::nullopt;
-  if (told_ > 0) {
+  if (is_measured(now)) {
     // It may tell rarely, say of one slab after another: go on at its speed, but not beyond what comes next.
     const double until_told = seconds_between(stage_start_, told_at_);
     const double reached = until_told > 0 ? told_ * in_stage / until_told : told_;
@@ -116,8 +123,8 @@ std::optional<double> ProgressMeter::stage_seconds(Clock::time_point now, double
   }
   if (weight_before <= 0)
     return std::nullopt;
-  const double expected = stages_[current_].weight * seconds_between(start_, stage_start_) / weight_before;
-  return in_stage < expected ? std::optional(expected) : std::nullopt;
+  const double usual = stages_[current_].weight * seconds_between(start_, stage_start_) / weight_before;
+  return in_stage < usual ? std::optional(usual) : std::nullopt;
 }
 
 std::string ProgressMeter::line(Clock::time_point now) {
@@ -137,8 +144,10 @@ std::string ProgressMeter::line(Clock::time_point now) {
   // The stages to come are as much slower or faster than usual as those that are known.
   const double known = seconds_between(start_, stage_start_) + *stage;
   const double whole = known * (before + own + after) / (before + own);
-  // Who finds that the rest takes longer than thought has not done less for that.
-  shown_fraction_ = std::max(shown_fraction_, elapsed / whole);
+  // Who finds that the rest takes longer than thought has not done less for that; who has measured nothing of
+  // a stage claims nothing of it.
+  shown_fraction_ =
+      std::max(shown_fraction_, is_measured(now) ? elapsed / whole : before / (before + own + after));
   return text + fmt::format(", about {} % done, {} left", percent(shown_fraction_),
                             rough_duration_text(whole - elapsed));
 }

@@ -26,9 +26,10 @@ enum class ProgressStyle {
 
 /// Tells from a thread of its own, which never calls MPI, which stage is under way, how much of the run is
 /// done, and how long the rest will take: the stage under way at its own speed, and those to come if they
-/// share the time with the others as they usually do. It promises nothing before it has measured something,
-/// nor when a stage takes longer than usual without telling how far it is, nor once a stage has told all.
-/// Nothing is printed in the first seconds: short runs stay silent. Local. One at a time in a process.
+/// share the time with the others as they usually do; the percent grows by what is measured. It promises
+/// nothing before it has measured something, nor when a stage takes longer than usual without telling how far
+/// it is, nor once a stage has told all. Nothing is printed in the first seconds: short runs stay silent.
+/// Local. One at a time in a process.
 class ProgressMeter {
 public:
   ProgressMeter(ProgressStyle style, std::vector<Stage> stages);
@@ -51,6 +52,7 @@ private:
   friend std::string silence_progress();
   void run();
   void wipe_locked();
+  bool is_measured(Clock::time_point now) const;
   std::optional<double> stage_seconds(Clock::time_point now, double weight_before) const;
   std::string line(Clock::time_point now);
 

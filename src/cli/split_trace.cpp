@@ -29,6 +29,7 @@ Report split_trace_as_json(const SplitTraceSummary &trace) {
                       {"largest", level.largest},
                       {"bucketing", level.bucketing()},
                       {"interior", level.interior},
+                      {"bottom_interior", level.bottom_interior},
                       {"border", level.border},
                       {"path", level.path},
                       {"longest_path", level.longest_path}});

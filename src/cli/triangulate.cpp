@@ -367,8 +367,7 @@ Subcommand add_triangulate(CLI::App &app) {
               throw CLI::ValidationError("--memory", problem.what());
             }
           },
-          "Memory for each rank; points that do not fit wait on disk [70 % of the node's, shared by its "
-          "ranks]")
+          "Memory for each rank; more points wait on disk [70 % of the node's, shared]")
       ->option_text("4GiB");
   parser
       ->add_option("--scratch", command->room.scratch,

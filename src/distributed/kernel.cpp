@@ -9,8 +9,8 @@
 namespace dovetail {
 namespace {
 
-constexpr std::array added{&SplitLevel::subproblems, &SplitLevel::bottoms, &SplitLevel::interior,
-                           &SplitLevel::border, &SplitLevel::path};
+constexpr std::array added{&SplitLevel::subproblems,     &SplitLevel::bottoms, &SplitLevel::interior,
+                           &SplitLevel::bottom_interior, &SplitLevel::border,  &SplitLevel::path};
 constexpr std::array largest{&SplitLevel::largest, &SplitLevel::longest_path};
 constexpr std::array times{&SplitTimes::sort_s, &SplitTimes::hull_s, &SplitTimes::border_s,
                            &SplitTimes::split_s, &SplitTimes::bottom_s};

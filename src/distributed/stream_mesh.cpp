@@ -69,10 +69,10 @@ std::vector<stitching::OpenSide> triangulate_into(SlabSink &sink, const Region &
     mesh.checksum += slab.checksum;
     for (const LocalIndex side : slab.open_sides)
       open_sides.push_back(stitching::open_side(slab.mesh, index(k), side));
+    report_progress(options.progress, "triangulate", static_cast<double>(k + 1) / count);
     begin_phase("write");
     sink.take(s, slab.mesh, duplicates_of_slab(region.slabs, k));
     mesh.slabs.push_back(border_of(std::move(slab.mesh)));
-    report_progress(options.progress, "triangulate", static_cast<double>(k + 1) / count);
   }
   return open_sides;
 }

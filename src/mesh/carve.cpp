@@ -71,14 +71,14 @@ private:
   /// p lies in the face, or on its boundary.
   bool touches_segment(Point p) const {
     for (const HalfEdge h : sides_of(at_))
-      if (side(h, p) == Sign::zero && (faces_.is_segment(h) || (ends_in(h, p) && star_has_segment(h, p))))
+      if (side(h, p) == Sign::zero &&
+          (faces_.is_segment(h) || (point(faces_.from(h)) == p && origin_has_segment(h))))
         return true;
     return false;
   }
-  bool ends_in(HalfEdge h, Point p) const { return point(faces_.from(h)) == p; }
   /// Whether one of the edges at the origin of h is a segment. Around it clockwise; where the boundary ends
   /// that, its edge is met too, and the others counter-clockwise.
-  bool star_has_segment(HalfEdge h, Point) const {
+  bool origin_has_segment(HalfEdge h) const {
     HalfEdge at = h;
     do {
       if (faces_.is_segment(at))

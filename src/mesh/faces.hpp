@@ -27,12 +27,12 @@ struct alignas(32) Face {
 };
 
 /// Four half-edges a triangle, one of them unused, are numbered by LocalIndex.
-inline constexpr std::size_t most_faces = std::size_t{1} << 29;
+inline constexpr std::size_t most_faces = (std::size_t{1} << 29) - 1;
 
 constexpr LocalIndex face_of(HalfEdge h) { return h >> 2; }
-constexpr int side_of(HalfEdge h) { return h & 3; }
-constexpr HalfEdge next(HalfEdge h) { return side_of(h) == 2 ? h - 2 : h + 1; }
-constexpr HalfEdge previous(HalfEdge h) { return side_of(h) == 0 ? h + 2 : h - 1; }
+constexpr int face_side(HalfEdge h) { return h & 3; }
+constexpr HalfEdge next(HalfEdge h) { return face_side(h) == 2 ? h - 2 : h + 1; }
+constexpr HalfEdge previous(HalfEdge h) { return face_side(h) == 0 ? h + 2 : h - 1; }
 
 struct Faces {
   std::vector<Face> faces;
@@ -44,12 +44,14 @@ struct Faces {
   LocalIndex add();
   LocalIndex count() const { return static_cast<LocalIndex>(faces.size()); }
 
-  LocalIndex apex(HalfEdge h) const { return face(face_of(h)).corner[static_cast<std::size_t>(side_of(h))]; }
+  LocalIndex apex(HalfEdge h) const {
+    return face(face_of(h)).corner[static_cast<std::size_t>(face_side(h))];
+  }
   LocalIndex from(HalfEdge h) const { return apex(next(h)); }
   LocalIndex to(HalfEdge h) const { return apex(previous(h)); }
-  HalfEdge twin(HalfEdge h) const { return face(face_of(h)).twin[static_cast<std::size_t>(side_of(h))]; }
+  HalfEdge twin(HalfEdge h) const { return face(face_of(h)).twin[static_cast<std::size_t>(face_side(h))]; }
   void set_twin(HalfEdge h, HalfEdge twin) {
-    face(face_of(h)).twin[static_cast<std::size_t>(side_of(h))] = twin;
+    face(face_of(h)).twin[static_cast<std::size_t>(face_side(h))] = twin;
   }
   /// Either may be `none`.
   void link(HalfEdge a, HalfEdge b) {
@@ -59,7 +61,7 @@ struct Faces {
       set_twin(b, a);
   }
 
-  bool is_segment(HalfEdge h) const { return (face(face_of(h)).segment_sides >> side_of(h) & 1) != 0; }
+  bool is_segment(HalfEdge h) const { return (face(face_of(h)).segment_sides >> face_side(h) & 1) != 0; }
   /// The segment that h is a piece of, or `none`.
   LocalIndex segment(HalfEdge h) const {
     return is_segment(h) ? segment_of[static_cast<std::size_t>(h)] : none;
@@ -67,7 +69,7 @@ struct Faces {
   /// Of this side only.
   void set_segment(HalfEdge h, LocalIndex segment) {
     Face &f = face(face_of(h));
-    f.segment_sides = static_cast<std::uint8_t>(f.segment_sides | 1U << side_of(h));
+    f.segment_sides = static_cast<std::uint8_t>(f.segment_sides | 1U << face_side(h));
     segment_of[static_cast<std::size_t>(h)] = segment;
   }
 };

@@ -108,7 +108,7 @@ void Refinement::look_at_subsegment(HalfEdge h) {
   const LocalIndex from = faces_.from(h), to = faces_.to(h);
   const Point apex = point(faces_.apex(h));
   if (dot(point(from) - apex, point(to) - apex) < 0)
-    encroached_.push_back({h, from, to});
+    encroached_.push_back({h, from, to, tile_});
 }
 
 void Refinement::look_at_triangle(LocalIndex t, const SquaredSides &sides) {
@@ -156,7 +156,7 @@ double Refinement::field_limit(const Face &face) const {
   return std::sqrt(3.0) / 4 * size * size;
 }
 
-void Refinement::extend_size(const Cavity &cavity, LocalIndex v) {
+void Refinement::extend_size(const SteinerCavity &cavity, LocalIndex v) {
   if (options_.growth == 0)
     return;
   size_.resize(vertices_.size(), HUGE_VAL);
@@ -165,7 +165,7 @@ void Refinement::extend_size(const Cavity &cavity, LocalIndex v) {
                                size_[index(edge.from)] + options_.growth * std::sqrt(edge.squared_distance));
 }
 
-void Refinement::look_at_fan(const Cavity &cavity) {
+void Refinement::look_at_fan(const SteinerCavity &cavity) {
   const std::size_t count = cavity.edge_count();
   for (std::size_t k = 0; k < count; ++k) {
     const RimEdge &edge = cavity.rim[k], &after = cavity.rim[k + 1];
@@ -184,6 +184,7 @@ void Refinement::look_at_fan(const Cavity &cavity) {
 void Refinement::split_encroached() {
   const Subsegment subsegment = encroached_.back();
   encroached_.pop_back();
+  tile_ = subsegment.tile;
   const HalfEdge h = subsegment.side;
   if (faces_.is_segment(h) && faces_.from(h) == subsegment.from && faces_.to(h) == subsegment.to)
     split(h);
@@ -231,7 +232,7 @@ std::optional<Point> Refinement::split_point(HalfEdge h) const {
   return {};
 }
 
-double Refinement::least_squared_distance(const Cavity &cavity) const {
+double Refinement::least_squared_distance(const SteinerCavity &cavity) const {
   double least = HUGE_VAL;
   for (const RimEdge &edge : cavity.rim)
     least = std::min(least, edge.squared_distance);
@@ -277,7 +278,7 @@ bool Refinement::encroaches(Point p) {
     const RimEdge &edge = cavity_.rim[k], &after = cavity_.rim[k + 1];
     if (edge.segment != none && (dot(edge.from_point - p, after.from_point - p) < 0 ||
                                  orientation(edge.from_point, after.from_point, p) != Sign::positive))
-      blocking_.push_back({edge.inside, edge.from, after.from});
+      blocking_.push_back({edge.inside, edge.from, after.from, tile_});
   }
   return !blocking_.empty();
 }

@@ -31,6 +31,11 @@ private:
   struct Subsegment {
     HalfEdge side;
     LocalIndex from, to;
+    SkinnyQueue::Tile tile;
+  };
+  struct Left {
+    std::array<LocalIndex, 3> corner; ///< the face is still the same if it has these
+    LeftReason reason;
   };
 
   std::vector<LeftTriangle> triangles_left() const;
@@ -43,7 +48,7 @@ private:
   void number_vertices(const DomainMesh &mesh);
   void lock(const std::function<bool(LocalIndex, int)> &locked);
   void look_at_all();
-  void look_at_fan(const Cavity &cavity);
+  void look_at_fan(const SteinerCavity &cavity);
   void look_at_subsegment(HalfEdge h);
   void look_at_triangle(LocalIndex t, const SquaredSides &sides);
 
@@ -59,8 +64,8 @@ private:
   bool is_exempt(LocalIndex t, std::size_t shortest) const;
   bool is_too_large(LocalIndex t) const;
   double field_limit(const Face &face) const;
-  void extend_size(const Cavity &cavity, LocalIndex v);
-  double least_squared_distance(const Cavity &cavity) const;
+  void extend_size(const SteinerCavity &cavity, LocalIndex v);
+  double least_squared_distance(const SteinerCavity &cavity) const;
   std::optional<LeftReason> too_near(double squared_distance) const;
   void leave(LocalIndex t, LeftReason reason);
   void leave_subsegment(HalfEdge h, LeftReason reason);
@@ -84,15 +89,11 @@ private:
   std::vector<Subsegment> encroached_;
   Tiles tiles_;
   SkinnyQueue skinny_;
-  SkinnyQueue::Tile tile_ = 0; ///< of what is being looked at
+  SkinnyQueue::Tile tile_ = 0; ///< of what is being looked at, split or inserted into
   CavitySearch search_;
-  Cavity cavity_, right_cavity_;
-  std::vector<Subsegment> blocking_; ///< subsegments that a point would encroach on
-  struct Left {
-    std::array<LocalIndex, 3> corner;
-    LeftReason reason;
-  };
-  std::unordered_map<LocalIndex, Left> left_triangles_;         ///< by face
+  SteinerCavity cavity_, right_cavity_;
+  std::vector<Subsegment> blocking_;                    ///< subsegments that a point would encroach on
+  std::unordered_map<LocalIndex, Left> left_triangles_; ///< by face
   std::unordered_map<std::uint64_t, LeftReason> left_segments_; ///< by both ends
   bool full_ = false;                                           ///< no more points
 };

@@ -1,5 +1,7 @@
 #include "refinement.hpp"
 
+#include <cassert>
+
 namespace dovetail {
 namespace {
 
@@ -22,6 +24,7 @@ std::vector<LeftTriangle> Refinement::triangles_left() const {
     if (is_bad(t, sides)) {
       const auto left = left_triangles_.find(t);
       const bool known = left != left_triangles_.end() && left->second.corner == face.corner;
+      assert(known || full_);
       reason = known ? left->second.reason : LeftReason::max_points;
     }
     result.push_back({t, barycentre(a, b, c), reason, smallest_angle(a, b, c), 0.5 * doubled_area(a, b, c)});

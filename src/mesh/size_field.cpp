@@ -17,7 +17,7 @@ std::vector<double> local_features(std::span<const Point> vertices, const Faces 
   const auto lower = [&](LocalIndex v, double value) {
     feature[index(v)] = std::min(feature[index(v)], value);
   };
-  for (HalfEdge h = 0; h < 4 * faces.count(); h = side_of(h) == 2 ? h + 2 : h + 1) {
+  for (HalfEdge h = 0; h < 4 * faces.count(); h = face_side(h) == 2 ? h + 2 : h + 1) {
     const Point from = vertices[index(faces.from(h))], to = vertices[index(faces.to(h))];
     const double length = distance(from, to);
     lower(faces.from(h), length);

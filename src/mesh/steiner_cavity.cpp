@@ -16,7 +16,7 @@ bool CavitySearch::in_conflict(const Face &face, Point p) const {
   return in_circle(point(face.corner[0]), point(face.corner[1]), point(face.corner[2]), p) == Sign::positive;
 }
 
-bool CavitySearch::find(LocalIndex face, Point p, Cavity &cavity) {
+bool CavitySearch::find(LocalIndex face, Point p, SteinerCavity &cavity) {
   if (!in_conflict(faces_.face(face), p))
     return false;
   cavity.faces.assign(1, face);
@@ -27,7 +27,7 @@ bool CavitySearch::find(LocalIndex face, Point p, Cavity &cavity) {
   return true;
 }
 
-bool CavitySearch::find_half(HalfEdge subsegment, Point p, Cavity &cavity) {
+bool CavitySearch::find_half(HalfEdge subsegment, Point p, SteinerCavity &cavity) {
   if (!in_conflict(faces_.face(face_of(subsegment)), p))
     return false;
   cavity.faces.assign(1, face_of(subsegment));
@@ -42,7 +42,7 @@ bool CavitySearch::find_half(HalfEdge subsegment, Point p, Cavity &cavity) {
 
 /// From sides of the first face, the next in counter-clockwise order on top. The cavity is a tree of faces,
 /// so none is met twice.
-void CavitySearch::dig(Point p, Cavity &cavity) {
+void CavitySearch::dig(Point p, SteinerCavity &cavity) {
   cavity.rim.clear();
   const Face *const faces = faces_.faces.data();
   const Point *const vertices = vertices_.data();
@@ -51,7 +51,7 @@ void CavitySearch::dig(Point p, Cavity &cavity) {
     const HalfEdge inside = to_dig_.back();
     to_dig_.pop_back();
     const Face &face = faces[index(face_of(inside))];
-    const auto side = static_cast<unsigned>(side_of(inside));
+    const auto side = static_cast<unsigned>(face_side(inside));
     const HalfEdge outside = face.twin[side];
     const bool is_segment = (face.segment_sides >> side & 1) != 0;
     if (!is_segment) {
@@ -76,7 +76,7 @@ namespace {
 
 /// Fan triangle k has the vertex as corner 0 and edge k of the rim across; the fan is closed in itself, or
 /// open with its outer sides not linked.
-void build_fan(Cavity &cavity, LocalIndex vertex, Faces &faces) {
+void build_fan(SteinerCavity &cavity, LocalIndex vertex, Faces &faces) {
   const std::size_t count = cavity.edge_count();
   const std::int32_t region = faces.face(cavity.faces[0]).region;
   while (cavity.faces.size() < count)
@@ -102,12 +102,12 @@ void build_fan(Cavity &cavity, LocalIndex vertex, Faces &faces) {
 
 } // namespace
 
-void commit(Cavity &cavity, LocalIndex vertex, Faces &faces) {
+void commit(SteinerCavity &cavity, LocalIndex vertex, Faces &faces) {
   assert(cavity.edge_count() == cavity.faces.size() + 2);
   build_fan(cavity, vertex, faces);
 }
 
-void commit_halves(Cavity &left, Cavity &right, LocalIndex vertex, Faces &faces) {
+void commit_halves(SteinerCavity &left, SteinerCavity &right, LocalIndex vertex, Faces &faces) {
   build_fan(left, vertex, faces);
   const HalfEdge left_first = 4 * left.faces.front() + 2, left_last = 4 * left.faces.back() + 1;
   HalfEdge right_first = none, right_last = none;

@@ -24,7 +24,7 @@ struct RimEdge {
 };
 
 /// A half of a cavity on a segment is open: its rim goes from one end of the subsegment to the other.
-struct Cavity {
+struct SteinerCavity {
   std::vector<LocalIndex> faces; ///< of the cavity; once committed, fan triangle k is in the place k
   /// Counter-clockwise as seen from the point; behind the last edge, as one that is none, where it ends.
   std::vector<RimEdge> rim;
@@ -41,14 +41,14 @@ public:
   CavitySearch(const std::vector<Point> &vertices, const Faces &faces) : vertices_(vertices), faces_(faces) {}
 
   /// From a face whose circle is to hold p. False, and no cavity, if it does not.
-  bool find(LocalIndex face, Point p, Cavity &cavity);
+  bool find(LocalIndex face, Point p, SteinerCavity &cavity);
   /// The half left of a subsegment, of a point of the subsegment or near it. False, and no cavity, if the
   /// circle of its face does not hold p.
-  bool find_half(HalfEdge subsegment, Point p, Cavity &cavity);
+  bool find_half(HalfEdge subsegment, Point p, SteinerCavity &cavity);
 
 private:
   bool in_conflict(const Face &face, Point p) const;
-  void dig(Point p, Cavity &cavity);
+  void dig(Point p, SteinerCavity &cavity);
   Point point(LocalIndex v) const { return vertices_[static_cast<std::size_t>(v)]; }
 
   const std::vector<Point> &vertices_;
@@ -57,8 +57,8 @@ private:
 };
 
 /// Replaces the cavity by the fan around a vertex. Faces that are free are the cavity's, then new ones.
-void commit(Cavity &cavity, LocalIndex vertex, Faces &faces);
+void commit(SteinerCavity &cavity, LocalIndex vertex, Faces &faces);
 /// Both halves on a subsegment, the left one first; the right one is without rim at the boundary.
-void commit_halves(Cavity &left, Cavity &right, LocalIndex vertex, Faces &faces);
+void commit_halves(SteinerCavity &left, SteinerCavity &right, LocalIndex vertex, Faces &faces);
 
 } // namespace dovetail

@@ -23,6 +23,7 @@ MPIEXEC = os.environ.get("DOVETAIL_MPIEXEC", "mpiexec")
 FULL = os.environ.get("DOVETAIL_FULL") == "1"
 CHECKOUT = pathlib.Path(__file__).resolve().parents[2]
 TIMEOUT_S = 120
+PROGRESS = re.compile(r"dovetail: \w+, [^;]* gone(,|$)")
 
 
 class Run:
@@ -37,8 +38,9 @@ class Run:
 
     @property
     def messages(self):
-        """The command's own lines on standard error."""
-        return [line for line in self.err.splitlines() if line.startswith("dovetail: ")]
+        """The command's own lines on standard error but those of its progress, which a slow machine sees."""
+        lines = self.err.replace("\x1b[K", "").splitlines()
+        return [line for line in lines if line.startswith("dovetail: ") and not PROGRESS.match(line)]
 
     def __str__(self):
         return (

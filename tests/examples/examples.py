@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Runs an example and checks what it prints.
 
-usage: examples.py serial|in_memory|poisson|refined_poisson PROGRAM     $DOVETAIL_MPIEXEC starts the ranks (default: mpiexec)
+usage: examples.py EXAMPLE PROGRAM     $DOVETAIL_MPIEXEC starts the ranks (default: mpiexec)
 """
 import math
 import os
 import re
 import subprocess
 import sys
+import xml.etree.ElementTree
 
 import numpy
 
@@ -99,8 +100,21 @@ def check_refined_poisson(program):
     assert error[-1] < 1e-3, table
 
 
+def check_insertion(program):
+    """One frame a step; after the flips the same star as after the cavity's commit."""
+    picture = xml.etree.ElementTree.fromstring(output_of(program))
+    frames = picture.findall("{*}g")
+    captions = [frame.find("{*}text").text for frame in frames]
+    begin = captions.index("commit: the star of the site takes its place")
+    assert begin >= 3 and re.fullmatch(r"after \d+ flips: the same star", captions[-1]), captions
+    edges = [sorted(frame.find("{*}path[@class='edges']").get("d")[1:].split("M")) for frame in frames]
+    undirected = [{frozenset(edge.split("L")) for edge in of_frame} for of_frame in edges]
+    assert undirected[begin] == undirected[-1] and undirected[begin] != undirected[begin - 1]
+    assert [frame.get("visibility") for frame in frames] == ["hidden"] * (len(frames) - 1) + ["visible"]
+
+
 if __name__ == "__main__":
     example, program_path = sys.argv[1:]
     {"serial": check_serial, "in_memory": check_in_memory, "poisson": check_poisson,
-     "refined_poisson": check_refined_poisson}[example](program_path)
+     "refined_poisson": check_refined_poisson, "insertion": check_insertion}[example](program_path)
     print(f"{example}: as it must be")

@@ -131,6 +131,29 @@ def check_virtual_study(folder):
     assert done.returncode == 2 and "--ranks" in done.stderr, done
 
 
+def check_split_path_study(folder):
+    log = folder / "split-path.jsonl"
+    done = run("split-path", "--sizes", "2e3", "--distributions", "uniform,kuzmin", "--ranks", ",".join(map(str, ranks)),
+               "--repeat", 1, "--records", log, "--scratch", folder, "--build", build)
+    assert done.returncode == 0, done.stdout + done.stderr
+    found = [json.loads(line) for line in log.read_text().splitlines()]
+    assert sum(r["code"] == "pipeline" for r in found) == 2 * 2 * len(ranks)
+    traces = [r["report"]["split_trace"]["levels"] for r in found if r["code"] == "trace"]
+    assert len(traces) == 2 and all(levels[0]["subproblems"] == 1 for levels in traces)
+    for kind in ("uniform", "kuzmin"):
+        runs = [r for r in found if r["distribution"] == kind]
+        assert f"2,000 points, {kind}, seed 1: {runs[0]['checksum']} in all {len(runs)} runs" in done.stdout, done.stdout
+    # The table's first path is the trace's.
+    row = row_of(done.stdout.split("length of the first path")[1], "2,000", 3)
+    assert row[1:] == [f"{levels[0]['path'] / 2000 ** 0.5:.2f}" for levels in traces], (row, done.stdout)
+    verdicts = done.stdout.split("against what is published")[1]
+    assert f"kuzmin over uniform, {max(ranks)} ranks, default kernel" in verdicts, verdicts
+    assert ("over the kernel alone" in verdicts) == has_kernel, verdicts
+
+    done = run("split-path", "--sizes", "2e3", "--distributions", "kuzmin", "--build", build)
+    assert done.returncode == 2 and "uniform" in done.stderr, done
+
+
 def check_projection():
     """Factors that were put in come out; none is negative; fewer runs than terms are enough."""
     values = [3 * n + 5 * n * n for n in (1, 2, 4, 8)]
@@ -149,5 +172,6 @@ with tempfile.TemporaryDirectory() as temporary:
     check_drivers(pathlib.Path(temporary))
     check_tables(pathlib.Path(temporary))
     check_virtual_study(pathlib.Path(temporary))
+    check_split_path_study(pathlib.Path(temporary))
 check_projection()
 print(f"strong, weak and distributions on {ranks} ranks: records and tables as promised")

@@ -109,7 +109,8 @@ PlanarGraph nested(int depth, double gap) {
   PlanarGraph graph;
   graph.even_odd = true;
   for (int i = 0; i < depth; ++i) {
-    const double half = 1 - 0.8 * (i / 2) / depth - (i % 2) * gap;
+    const int pair = i / 2;
+    const double half = 1 - 0.8 * pair / depth - (i % 2) * gap;
     add_square(graph, -half, half);
   }
   return graph;

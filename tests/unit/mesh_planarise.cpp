@@ -269,7 +269,8 @@ TEST(LineIntersection, IsTheNearestDouble) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> uniform(-1, 1);
   const auto nearest = [](const mpq_class &value, double found) {
-    const auto distance = [&](double other) { return abs(value - mpq_class(other)); };
+    // The type is said: an expression of mpq_class refers to its parts, which end with the lambda.
+    const auto distance = [&](double other) -> mpq_class { return abs(value - mpq_class(other)); };
     return distance(found) <= distance(std::nextafter(found, 1e308)) &&
            distance(found) <= distance(std::nextafter(found, -1e308));
   };

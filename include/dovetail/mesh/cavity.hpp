@@ -67,7 +67,7 @@ inline bool is_in_circle(std::span<const Point> sites, const Triangulation &mesh
                    site) == Sign::positive;
 }
 
-namespace cavity {
+namespace cavity_search {
 
 template <class Locked> struct Search {
   std::span<const Point> sites;
@@ -183,7 +183,7 @@ template <class Locked> struct Search {
   }
 };
 
-} // namespace cavity
+} // namespace cavity_search
 
 /// Finds the cavity of a site, which may but need not be in `sites` yet, at its place by `locate` with the
 /// same `locked`: `inside`, `edge` (of a locked edge too: it is split), or `outside`, which needs a convex
@@ -197,10 +197,11 @@ void find_cavity(std::span<const Point> sites, const Triangulation &mesh, Point 
                  Cavity &found, const Locked &locked = {}) {
   found.triangles.clear();
   found.edges.clear();
+  found.fronts.clear(); // not empty if `locked` has thrown
   found.split = none;
   found.closed = true;
   found.has_locked_side = false;
-  const cavity::Search<Locked> search{sites, mesh, site, locked, found};
+  const cavity_search::Search<Locked> search{sites, mesh, site, locked, found};
   switch (place.kind) {
   case PlaceKind::inside:
     search.from_inside(place.triangle);

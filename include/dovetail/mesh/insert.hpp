@@ -27,7 +27,8 @@ Insertion insert(std::vector<Point> &sites, Triangulation &mesh, Point site, Loc
 /// Adds a batch, in the order of `space_filling_order` and each with the last one's triangle as a hint.
 /// Returns the vertex of every point, in the order given. New vertices are numbered as they come in, so that
 /// near ones lie near in memory; a point that equals a site, or an earlier one that was inserted, gets its
-/// number and is no new one. O(n log n) to sort, O(1) on average a point.
+/// number and is no new one. O(1) on average a point, once ordered; memory is reserved for all of them at
+/// once.
 std::vector<LocalIndex> insert_batch(std::vector<Point> &sites, Triangulation &mesh,
                                      std::span<const Point> points);
 

@@ -14,7 +14,7 @@ namespace dovetail {
 /// them. What runs along edges meets none. The points may be anywhere, as long as the border is convex; at a
 /// border that is not, the walk ends. `hint`: any triangle, near the beginning if that is known; the mesh
 /// must have one. A walk to the beginning (locate.hpp); from outside also the hull edges that are seen; then
-/// four orientations a triangle, and the stars of vertices that the segment goes through.
+/// three to seven orientations a triangle, and the stars of vertices that the segment goes through.
 std::vector<LocalIndex> triangles_along(std::span<const Point> sites, const Triangulation &mesh, Point from,
                                         Point to, LocalIndex hint);
 

@@ -39,7 +39,7 @@ struct Place {
   int side; ///< for `vertex` the corner; meaningless for `inside`
 };
 
-namespace walk {
+namespace visibility_walk {
 
 template <class Locked> struct Walk {
   std::span<const Point> sites;
@@ -114,7 +114,7 @@ template <class Locked> struct Walk {
     for (; steps_left > 0; --steps_left) {
       const Seen tip = see(half_edge(triangle, entered));
       const filter::Bounded left = filter::turn(ends[0], tip), right = filter::turn(tip, ends[1]);
-      if (!(left.is_decided() & right.is_decided()))
+      if (!left.is_decided() || !right.is_decided())
         return false;
       // Which of the two sides is as good as random: no branch on it.
       const bool beyond_left = left.value < 0;
@@ -130,7 +130,7 @@ template <class Locked> struct Walk {
   }
 };
 
-} // namespace walk
+} // namespace visibility_walk
 
 /// The place of a point; `hint` is any triangle. On a locked edge is `edge`, at its ends `vertex`. `outside`
 /// means outside of the hull where the border is convex; `outside` and `blocked` mean elsewhere that the walk
@@ -139,7 +139,7 @@ template <class Locked = NothingLocked>
 Place locate(std::span<const Point> sites, const Triangulation &mesh, Point point, LocalIndex hint,
              const Locked &locked = {}) {
   assert(hint >= 0 && hint < mesh.triangle_count());
-  walk::Walk<Locked> walk{sites, mesh, point, locked, hint, mesh.triangle_count()};
+  visibility_walk::Walk<Locked> walk{sites, mesh, point, locked, hint, mesh.triangle_count()};
   Place place;
   do
     if (walk.stride())

@@ -76,7 +76,7 @@ private:
   LocalIndex meeting(const Segment &a, const Segment &b) const;
   Displacement direction(const Segment &segment, LocalIndex from) const;
 
-  std::vector<Point> vertices_; ///< the ends of segments; others are not set
+  std::vector<Point> vertices_; ///< at least up to the last end of a segment
   std::vector<Segment> segments_;
   std::vector<std::uint8_t> sharp_; ///< by vertex
   std::size_t sharp_count_ = 0;

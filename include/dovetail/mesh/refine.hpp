@@ -4,10 +4,10 @@
 /// Ruppert's algorithm (A Delaunay refinement algorithm for quality 2-dimensional mesh generation, 1995) on
 /// the constrained triangulation, as told by Shewchuk (Delaunay refinement algorithms for triangular mesh
 /// generation, 2002). A subsegment is encroached if its diametral circle holds a vertex that it sees, and is
-/// split; when none is, the triangle with the shortest edge of those that are skinny or too large gets a
-/// point at its off-center (Ungor, Off-centers: a new type of Steiner points for computing size-optimal
-/// quality-guaranteed Delaunay triangulations, 2004), or, if that would encroach on subsegments, these are
-/// split instead.
+/// split; when none is, of the triangles that are skinny or too large the one with the shortest edge (nearly:
+/// src/mesh/skinny_queue.hpp) gets a point at its off-center (Ungor, Off-centers: a new type of Steiner
+/// points for computing size-optimal quality-guaranteed Delaunay triangulations, 2004), or, if that would
+/// encroach on subsegments, these are split instead.
 ///
 /// Small input angles (Ruppert; Shewchuk; Miller, Pav, Walkington, When and why Ruppert's algorithm works,
 /// 2003; ... Delaunay refinement algorithms work, 2005). Call an input vertex *sharp* if two of its segments
@@ -81,7 +81,8 @@ struct LeftTriangle {
   double area;
 };
 
-/// A subsegment that has a vertex in its diametral circle, and was left.
+/// A subsegment that was to be split, for a vertex in its diametral circle or a point that was to be inserted
+/// there, and was left.
 struct LeftSubsegment {
   LocalIndex from;
   LocalIndex to;

@@ -38,8 +38,9 @@ struct Removal {
   LocalIndex moved;    ///< the site that had the last number and has that of the removed one now, or `none`
 };
 
-/// Removes one site. `hint` is any triangle, or `none` (as for `insert`). Three walks at most (to the site,
-/// to the last one, and the star), and O(d log d) for a link of d edges of ordinary shape, O(d^2) at worst.
+/// Removes one site. `hint` is any triangle, or `none` (as for `insert`). Two walks (locate.hpp), to the site
+/// and to the one with the last number; and for a link of d edges, six on average, O(d log d) where the
+/// triangles found divide it evenly, O(d^2) at worst.
 Removal remove(std::vector<Point> &sites, Triangulation &mesh, LocalIndex vertex, LocalIndex hint,
                RemovalMemory &memory);
 

@@ -182,6 +182,11 @@ int MPI_Comm_split(MPI_Comm comm, int color, int key, MPI_Comm *part) {
   return divide(world, comm, color, key, part);
 }
 
+/// All virtual ranks share the memory of this process.
+int MPI_Comm_split_type(MPI_Comm comm, int type, int key, MPI_Info, MPI_Comm *part) {
+  return MPI_Comm_split(comm, type == MPI_UNDEFINED ? MPI_UNDEFINED : 0, key, part);
+}
+
 int MPI_Comm_free(MPI_Comm *comm) {
   if (World *const world = World::current())
     world->forget(*comm);
@@ -366,7 +371,6 @@ REFUSED(Alltoallv, (const void *, const int *, const int *, MPI_Datatype, void *
 REFUSED(Scatter, (IN, void *, int, MPI_Datatype, int, MPI_Comm))
 REFUSED(Scatterv, (const void *, const int *, const int *, MPI_Datatype, void *, int, MPI_Datatype, int, MPI_Comm))
 REFUSED(Comm_create, (MPI_Comm, MPI_Group, MPI_Comm *))
-REFUSED(Comm_split_type, (MPI_Comm, int, int, MPI_Info, MPI_Comm *))
 #undef IN
 // clang-format on
 #undef REFUSED

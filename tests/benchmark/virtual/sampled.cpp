@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <numeric>
@@ -230,16 +231,19 @@ SampledRun run_sampled(const SlabwiseSet &set, int sample, GlobalIndex most_kept
   const auto count = static_cast<double>(evenly.size());
   const auto lines = static_cast<double>(evenly.size() - evenly.count(0)); // left of them
   for (const int slab : chosen) {
-    Region region = region_of(set, all, slab);
-    const auto left_path = static_cast<double>(region.paths.front().size());
-    const double start = processor_seconds();
-    const UnstitchedMesh mesh = triangulate_region(std::move(region));
-    const double taken = processor_seconds() - start;
+    UnstitchedMesh mesh;
+    double taken = std::numeric_limits<double>::max();
+    for (int time = 0; time < 2; ++time) { // the better of two: what disturbed one, belongs to no slab
+      Region region = region_of(set, all, slab);
+      const double start = processor_seconds();
+      mesh = triangulate_region(std::move(region));
+      taken = std::min(taken, processor_seconds() - start);
+    }
     run.triangulate_max_s = std::max(run.triangulate_max_s, taken);
     run.path_sites_max = std::max(run.path_sites_max, mesh.path_sites);
     if (evenly.contains(slab)) {
       run.triangulate_mean_s += taken / count;
-      run.mean_path += left_path / lines;
+      run.mean_path += static_cast<double>(mesh.mesh.slabs.front().left_path.size()) / lines;
       run.mean_ghosts += static_cast<double>(mesh.mesh.slabs.front().ghost_number.size()) / count;
     }
   }
