@@ -122,7 +122,7 @@ class Domains(harness.TestCase):
             self.succeed("refine", domain, "-o", mesh, "--min-angle", 20)
             self.check(mesh, domain)
             self.refuse("constrain", domain, "-o", mesh, "--crossings", "error",
-                        says=["messy.poly: segment", "(line ", "crosses segment"])
+                        says=["messy.poly, segment", "(line ", "crosses segment"])
 
     def test_geojson(self):
         outer, inner = [[0, 0], [4, 0], [4, 4], [0, 4], [0, 0]], [[1, 1], [1, 2], [2, 2], [2, 1], [1, 1]]
