@@ -36,11 +36,12 @@ PathLaw law_of(std::vector<Point> sample, Axis axis) {
 }
 
 /// What a rank needs besides its own sites.
-double bytes_between(double sites, const Forecast &plan, int ranks) {
-  const double lines_of_rank = std::min<double>(plan.slabs - 1.0, std::ceil(1.0 * plan.slabs / ranks) + 1);
+double bytes_between(const Undertaking &of, const Forecast &plan) {
+  const double sites = static_cast<double>(of.points);
+  const double lines_of_rank = std::min<double>(plan.slabs - 1.0, std::ceil(1.0 * plan.slabs / of.ranks) + 1);
   const double path = static_cast<double>(plan.path_sites);
   return lines_of_rank * path * bytes_of_path_site +
-         (sites / plan.slabs + (plan.slabs > 1 ? 2 * path : 0)) * bytes_of_slab_site;
+         (sites / plan.slabs + (plan.slabs > 1 ? 2 * path : 0)) * (bytes_of_slab_site + 8.0 * of.attributes);
 }
 
 int chosen_slabs(const Undertaking &of) {
@@ -72,13 +73,13 @@ Forecast forecast(const Undertaking &of, std::vector<Point> sample) {
   // In memory: sorting, with what is exchanged between several ranks, or all sites while slabs come and go.
   plan.slabs = of.slabs > 0 ? of.slabs : default_slab_count(of.points, of.ranks);
   const double sorting = share * (row + (of.ranks > 1 ? 40 : 20));
-  const double streaming = share * row + bytes_between(points, plan, of.ranks);
-  const double keeping = share * (row + row + 90 + 60) + bytes_between(points, plan, of.ranks);
+  const double streaming = share * row + bytes_between(of, plan);
+  const double keeping = share * (row + row + 90 + 60) + bytes_between(of, plan);
   double needed = of.keeps_mesh ? keeping : std::max(sorting, streaming);
   if ((needed > memory || of.on_disk) && !of.keeps_mesh) {
     plan.on_disk = true;
     plan.slabs = chosen_slabs(of);
-    needed = bytes_between(points, plan, of.ranks);
+    needed = bytes_between(of, plan);
     plan.scratch_bytes = static_cast<std::int64_t>(1.25 * points * row);
   }
   plan.fits = needed <= memory;

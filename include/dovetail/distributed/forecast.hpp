@@ -37,9 +37,10 @@ struct Forecast {
   bool fits = true;               ///< in memory
 };
 
-// Bytes, measured: a site of a slab, path included, with its columns, the kernel's memory and its triangles;
-// and a site of a path until all is stitched, with own hulls, scans, open sides, twins and ghosts.
-inline constexpr std::int64_t bytes_of_slab_site = 150;
+// Bytes, measured: a site of a slab, path included, with its columns (8 more for each attribute), the
+// kernel's memory and its triangles (74, and a margin); and a site of a path until all is stitched, with own
+// hulls, scans, open sides, twins and ghosts.
+inline constexpr std::int64_t bytes_of_slab_site = 90;
 inline constexpr std::int64_t bytes_of_path_site = 320;
 
 /// So many sites of a slab, with what the kernel makes of them, take a quarter of this memory; at least 500.

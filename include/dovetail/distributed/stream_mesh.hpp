@@ -30,8 +30,8 @@ MeshOutline outline_of(const Communicator &comm, const Region &region);
 /// it but what is long: of every slab there are its numbers, ghosts, border sides and left path, and neither
 /// own sites nor triangles. Errors as there.
 ///
-/// Memory: that of the sites, if the region has them in memory, about 130 bytes a site of the largest slab,
-/// paths included, and about 150 a site of a path.
+/// Memory: that of the sites, if the region has them in memory, and what forecast.hpp says of a site of
+/// the largest slab and of all paths.
 DistributedMesh stream_mesh(const Communicator &comm, Region &&region, SlabSink &sink,
                             const StreamOptions &options = {});
 
