@@ -48,7 +48,7 @@ constexpr std::string_view name_of(LeftReason reason) {
 }
 
 /// The integral over the local feature size takes a few microseconds a look-up.
-constexpr GlobalIndex most_triangles_measured = 200000;
+constexpr GlobalIndex most_triangles_measured = 20000;
 
 /// A mesh that is to be refined.
 struct Start {

@@ -151,8 +151,8 @@ double FeatureSize::at(Point p) const {
 
 namespace {
 
-constexpr int deepest = 12;      // divisions in four
-constexpr double change = 0.005; // of a triangle's part
+constexpr int deepest = 12;     // divisions in four
+constexpr double change = 0.03; // of a triangle's part; what is left of the error then is a fraction of it
 
 /// 1 / lfs^2 at the middles of three sides, times a third of the area: exact for quadratic functions.
 class Quadrature {

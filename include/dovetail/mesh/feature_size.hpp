@@ -35,7 +35,8 @@ private:
 };
 
 /// The integral of 1 / lfs^2 over all triangles, to better than one percent: every triangle is divided in
-/// four until that changes its part by less than half a percent. A few dozen look-ups a triangle.
+/// four until that changes its part by less than three percent, of which a fraction remains. Some dozen to
+/// some hundred look-ups a triangle.
 double integrate_feature_density(const DomainMesh &mesh, const FeatureSize &size,
                                  const Progress &progress = {});
 
