@@ -69,10 +69,8 @@ void add_domain_options(CLI::App &parser, DomainOptions &options) {
   add_word_option(parser, "--crossings", options.crossings, crossing_rules,
                   "Segments that cross get a common vertex, or are refused")
       ->option_text("split|error [split]");
-  add_word_option(
-      parser, "--holes", options.holes, hole_rules,
-      "Holes are where seeds are, or where outlines lie in each other; default: seeds in a .poly, "
-      "even-odd in GeoJSON")
+  add_word_option(parser, "--holes", options.holes, hole_rules,
+                  "Holes are where seeds are [.poly], or between nested outlines [GeoJSON]")
       ->option_text("seeds|even-odd");
 }
 

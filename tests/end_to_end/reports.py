@@ -151,7 +151,8 @@ class Reports(harness.TestCase):
                 self.assertLessEqual(2 * below["largest"], level["largest"])
                 self.assertLessEqual(level["longest_path"], level["path"])
                 self.assertGreaterEqual(level["bucketing"], 1)
-            self.assertEqual(levels[-1]["interior"], 0)
+            self.assertEqual(levels[-1]["interior"], levels[-1]["bottom_interior"])
+            self.assertEqual(levels[-1]["subproblems"], levels[-1]["bottoms"])
             self.assertEqual([part["name"] for part in times], ["sort", "hull", "border", "split", "bottom"])
             for part in times:
                 self.assertGreater(part["max_s"], 0)
