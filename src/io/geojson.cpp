@@ -31,6 +31,8 @@ public:
       file_.refuse(
           static_cast<std::int64_t>(error.byte > 0 ? error.byte - 1 : 0), "the file is not JSON here",
           "correct it, or write it again; a comma or bracket may be missing, or the end of the file");
+    } catch (const Json::out_of_range &) { // it does not say where
+      refuse("", "there is a number beyond the range of doubles", "give every point finite coordinates");
     } catch (const std::invalid_argument &) {
       refuse("", "lists are in each other too deep for GeoJSON", "check what the file is");
     }

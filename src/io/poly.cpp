@@ -79,7 +79,10 @@ public:
                                              std::numeric_limits<std::int32_t>::max(), "a marker"));
   }
 
+  /// A word that the line has not, and so counts as 0, is where the line is.
   [[noreturn]] void refuse_word(std::size_t word, const std::string &what, const std::string &remedy) const {
+    if (word >= words_.size())
+      refuse_line(what, remedy);
     refuse_text(file_, words_[word].data() - text_.data(), what, remedy);
   }
   [[noreturn]] void refuse_line(const std::string &what, const std::string &remedy) const {
