@@ -296,7 +296,7 @@ void add_refine_options(CLI::App &parser, RefineCommand &command) {
   RefineOptions &options = command.options;
   parser
       .add_option("--min-angle", options.min_angle,
-                  "No angle below this, in degrees, but where segments meet at small angles; 0: any angle")
+                  "No angle below this but where segments meet at small angles; 0: any angle")
       ->check(CLI::Range(0.0, 33.0))
       ->option_text("DEGREES [26.45]");
   parser.add_option("--max-area", options.max_area, "No triangle larger than this")
@@ -304,7 +304,7 @@ void add_refine_options(CLI::App &parser, RefineCommand &command) {
       ->option_text("AREA");
   parser
       .add_option("--growth", options.growth,
-                  "Triangles grow with the distance from the boundary by this much; smaller is finer")
+                  "Triangles grow by this much with the distance from the boundary")
       ->check(CLI::PositiveNumber)
       ->option_text("RATE");
   parser.add_option("--min-edge", options.min_edge, "No new point nearer than this to another")
@@ -352,8 +352,7 @@ Subcommand add_refine(CLI::App &app) {
   const auto command = std::make_shared<RefineCommand>();
   parser
       ->add_option("INPUT", command->input,
-                   fmt::format("Domain ({}), mesh of one (.vtkhdf), or points ({})", domain_extensions,
-                               known_point_extensions()))
+                   fmt::format("Domain ({}), mesh of one (.vtkhdf), or points", domain_extensions))
       ->required()
       ->check(fault_of_name)
       ->option_text("FILE (required)");
