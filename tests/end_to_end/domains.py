@@ -54,7 +54,7 @@ class Domains(harness.TestCase):
             constrained = self.report_of("constrain", domain, "-o", mesh)
             self.check(mesh, domain)
             area = None
-            for angle in (20, 26.45, 30):
+            for angle in (20, 26.45, 30) if harness.FULL or name == "A" else (30,):
                 refined = self.report_of("refine", domain, "-o", mesh, "--min-angle", angle)
                 verdict = self.check(mesh, domain)
                 self.assertEqual(verdict["left_triangles"], 0, (name, angle))
