@@ -13,6 +13,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace dovetail::insertion {
 namespace {
 
@@ -58,9 +60,8 @@ public:
 
   void insert(LocalIndex vertex) {
     const Point site = points_[at(vertex)];
-    const LocalIndex near = hints_.near(site);
-    const Place place = locate(points_, triangles_, site, near != none ? near : last_,
-                               WalkLimit{triangles_.triangle_count()});
+    const Place place =
+        locate(points_, triangles_, site, hint_for(site), WalkLimit{triangles_.triangle_count()});
     if (place.kind == PlaceKind::vertex)
       refuse_mesh(fmt::format("triangle {} of a slab", place.triangle), "has a corner that is no site");
     const SoundSides sound{points_, triangles_};
@@ -83,6 +84,19 @@ public:
   std::span<const LocalIndex> changed() const { return changed_; }
 
 private:
+  /// Of the sampled triangle and that of the site before the nearer one: where sites crowd or are many, the
+  /// site before is near; where they are few, the sample.
+  LocalIndex hint_for(Point site) const {
+    const LocalIndex sampled = hints_.near(site);
+    return sampled == none || distance(last_, site) < distance(sampled, site) ? last_ : sampled;
+  }
+
+  /// Between a corner of the triangle and the site: good for a guess.
+  double distance(LocalIndex triangle, Point site) const {
+    const Point corner = points_[at(triangles_.corners[3 * at(triangle)])];
+    return std::max(std::fabs(corner.x - site.x), std::fabs(corner.y - site.y));
+  }
+
   void count(std::span<const LocalIndex> triangles, bool added) {
     corners_.clear();
     for (const LocalIndex t : triangles)
