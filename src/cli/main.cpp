@@ -2,7 +2,7 @@
 // same exit code; rank 0 alone prints.
 #include "command.hpp"
 #include "interrupt.hpp"
-#include "memory_reserve.hpp"
+#include "process_memory.hpp"
 #include "text.hpp"
 #include "version.hpp"
 
@@ -157,6 +157,7 @@ int main(int argc, char **argv) {
   // Writes to a full disk or a closed pipe shall fail with an error that can be told, not kill the process.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
+  cli::keep_freed_memory();
   cli::keep_memory_reserve();
   // A thread of its own shows progress; only this one calls MPI.
   const boost::mpi::environment environment(argc, argv, boost::mpi::threading::funneled);

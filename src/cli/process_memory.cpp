@@ -1,8 +1,13 @@
-#include "memory_reserve.hpp"
+#include "process_memory.hpp"
 
 #include <cstdlib>
+#include <limits>
 #include <new>
 #include <utility>
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 namespace dovetail::cli {
 namespace {
@@ -22,6 +27,13 @@ void give_up_reserve() {
 void keep_memory_reserve() {
   reserve = std::malloc(reserve_bytes); // never touched, so it costs addresses and no memory
   std::set_new_handler(give_up_reserve);
+}
+
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_MAX, 0); // no array has a mapping of its own, that would go with it
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+#endif
 }
 
 } // namespace dovetail::cli
