@@ -136,18 +136,18 @@ Start start(const RefineCommand &command, const Session &session, PhaseLog &phas
 }
 
 /// Vertices of some triangle, given and without segments: features by themselves.
-std::vector<LocalIndex> lone_vertices(const DistributedMesh &mesh) {
-  const SlabMesh &slab = mesh.slabs.front();
+std::vector<LocalIndex> lone_vertices(const DomainMesh &mesh, const DomainRecord &record,
+                                      std::span<const GlobalIndex> input_index) {
   enum Use : std::uint8_t { unused, used, on_segment };
-  std::vector<Use> use(slab.vertices.points.size(), unused);
-  for (const LocalIndex corner : slab.triangles.corners)
+  std::vector<Use> use(mesh.vertices.size(), unused);
+  for (const LocalIndex corner : mesh.triangles.corners)
     use[static_cast<std::size_t>(corner)] = used;
-  for (const Segment &segment : mesh.domain->segments)
+  for (const Segment &segment : record.segments)
     for (const LocalIndex end : {segment.from, segment.to})
       use[static_cast<std::size_t>(end)] = on_segment;
   std::vector<LocalIndex> found;
-  for (std::size_t v = 0; v < use.size(); ++v)
-    if (use[v] == used && slab.vertices.input_index[v] < mesh.domain->given_vertices)
+  for (std::size_t v = 0; v < input_index.size(); ++v)
+    if (use[v] == used && input_index[v] < record.given_vertices)
       found.push_back(static_cast<LocalIndex>(v));
   return found;
 }
@@ -165,6 +165,8 @@ Outcome refine_start(const RefineCommand &command, Start start, const Progress &
   options.progress = progress;
   for (const RegionSeed &region : start.record.regions)
     options.max_area_of_region.push_back(region.max_area);
+  if (options.growth > 0)
+    options.lone_vertices = lone_vertices(start.mesh, start.record, start.job.vertices.input_index);
   Outcome outcome;
   outcome.refined = refine(std::move(start.mesh), start.record.segments, options);
   start.record.min_angle = options.min_angle;
@@ -183,7 +185,9 @@ void measure_outcome(const Communicator &comm, const Progress &progress, Outcome
   if (outcome.mesh.triangle_count() > most_triangles_measured)
     return;
   const DomainMesh mesh = domain_of_slab(outcome.mesh);
-  const FeatureSize size(mesh.vertices, outcome.mesh.domain->segments, lone_vertices(outcome.mesh));
+  const DomainRecord &record = *outcome.mesh.domain;
+  const FeatureSize size(mesh.vertices, record.segments,
+                         lone_vertices(mesh, record, outcome.mesh.slabs.front().vertices.input_index));
   outcome.feature_integral = integrate_feature_density(mesh, size, part_of_stage(progress, 0.2, 1));
 }
 
@@ -303,8 +307,9 @@ void add_refine_options(CLI::App &parser, RefineCommand &command) {
       ->check(CLI::PositiveNumber)
       ->option_text("AREA");
   parser
-      .add_option("--growth", options.growth,
-                  "Triangles grow by this much with the distance from the boundary")
+      .add_option(
+          "--growth", options.growth,
+          "Size field: edges as long as those of the boundary, and this much longer a unit away from it")
       ->check(CLI::PositiveNumber)
       ->option_text("RATE");
   parser.add_option("--min-edge", options.min_edge, "No new point nearer than this to another")

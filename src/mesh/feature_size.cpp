@@ -1,12 +1,11 @@
 #include "dovetail/mesh/feature_size.hpp"
 
 #include "dovetail/geometry/constructions.hpp"
+#include "feature_tree.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <queue>
 #include <vector>
 
@@ -17,99 +16,25 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 template <class Index> constexpr std::size_t index(Index i) { return static_cast<std::size_t>(i); }
 
-struct Box {
-  Point low{infinity, infinity}, high{-infinity, -infinity};
-  void add(Point p) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-  }
-  double squared_distance_from(Point p) const {
-    const double x = std::max({low.x - p.x, p.x - high.x, 0.0});
-    const double y = std::max({low.y - p.y, p.y - high.y, 0.0});
-    return x * x + y * y;
-  }
-};
-
-/// A segment, or a vertex: then both ends are the same.
-struct Feature {
-  LocalIndex from;
-  LocalIndex to;
-  bool touches(const Feature &other) const {
-    return from == other.from || from == other.to || to == other.from || to == other.to;
-  }
-};
-
-double squared_distance_from_segment(Point p, Point a, Point b) {
-  const Displacement along = b - a;
-  const double length = squared_length(along);
-  const double part = length > 0 ? std::clamp(dot(p - a, along) / length, 0.0, 1.0) : 0.0;
-  return squared_distance(p, a + part * along);
-}
-
-} // namespace
-
-/// A binary tree of boxes: node i has the children 2 i and 2 i + 1, the leaves are single features.
-struct FeatureSize::Tree {
-  std::vector<Point> vertices;
-  std::vector<Feature> features; ///< a power of two of places, the last ones empty
-  std::vector<Box> boxes;        ///< from 1 on; those of leaves from leaves on
-  std::size_t leaves = 1;
-
-  Point middle(const Feature &f) const {
-    return between(vertices[index(f.from)], vertices[index(f.to)], 0.5);
-  }
-
-  /// By the median of the longer extent of the middles.
-  void order(std::size_t first, std::size_t last) {
-    if (last - first < 2)
-      return;
-    Box box;
-    for (std::size_t i = first; i < last; ++i)
-      box.add(middle(features[i]));
-    const bool by_x = box.high.x - box.low.x >= box.high.y - box.low.y;
-    // The left subtree is full but for the last features.
-    const std::size_t half = std::bit_ceil(last - first) / 2;
-    const auto begin = features.begin() + static_cast<std::ptrdiff_t>(first);
-    std::nth_element(begin, begin + static_cast<std::ptrdiff_t>(half),
-                     features.begin() + static_cast<std::ptrdiff_t>(last),
-                     [&](const Feature &a, const Feature &b) {
-                       return by_x ? middle(a).x < middle(b).x : middle(a).y < middle(b).y;
-                     });
-    order(first, first + half);
-    order(first + half, last);
-  }
-
-  void build() {
-    order(0, features.size());
-    leaves = std::bit_ceil(std::max<std::size_t>(1, features.size()));
-    boxes.resize(2 * leaves);
-    for (std::size_t i = 0; i < features.size(); ++i)
-      for (const LocalIndex end : {features[i].from, features[i].to})
-        boxes[leaves + i].add(vertices[index(end)]);
-    for (std::size_t node = leaves; node-- > 1;)
-      for (const std::size_t child : {2 * node, 2 * node + 1})
-        if (boxes[child].low.x <= boxes[child].high.x) {
-          boxes[node].add(boxes[child].low);
-          boxes[node].add(boxes[child].high);
-        }
-  }
-};
-
-FeatureSize::FeatureSize(std::span<const Point> vertices, std::span<const Segment> segments,
-                         std::span<const LocalIndex> alone)
-    : tree_(std::make_unique<Tree>()) {
-  tree_->vertices.assign(vertices.begin(), vertices.end());
+std::vector<Feature> features_of(std::span<const Segment> segments, std::span<const LocalIndex> alone) {
+  std::vector<Feature> features;
   std::vector<LocalIndex> points(alone.begin(), alone.end());
   for (const Segment &segment : segments) {
-    tree_->features.push_back({segment.from, segment.to});
+    features.push_back({segment.from, segment.to});
     points.insert(points.end(), {segment.from, segment.to});
   }
   std::ranges::sort(points);
   points.erase(std::ranges::unique(points).begin(), points.end());
   for (const LocalIndex v : points)
-    tree_->features.push_back({v, v});
-  tree_->build();
+    features.push_back({v, v});
+  return features;
 }
+
+} // namespace
+
+FeatureSize::FeatureSize(std::span<const Point> vertices, std::span<const Segment> segments,
+                         std::span<const LocalIndex> alone)
+    : tree_(std::make_unique<FeatureTree>(vertices, features_of(segments, alone))) {}
 
 FeatureSize::~FeatureSize() = default;
 FeatureSize::FeatureSize(FeatureSize &&) noexcept = default;
@@ -122,7 +47,7 @@ double FeatureSize::at(Point p) const {
     bool is_exact; ///< the distance of the feature, not of its box
     bool operator>(const Candidate &other) const { return distance > other.distance; }
   };
-  const Tree &tree = *tree_;
+  const FeatureTree &tree = *tree_;
   std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> queue;
   queue.push({0, 1, false});
   std::vector<Feature> seen;
@@ -135,11 +60,8 @@ double FeatureSize::at(Point p) const {
         return std::sqrt(next.distance);
       seen.push_back(feature);
     } else if (next.node >= tree.leaves) {
-      if (next.node - tree.leaves < tree.features.size()) {
-        const auto [from, to] = tree.features[next.node - tree.leaves];
-        queue.push({squared_distance_from_segment(p, tree.vertices[index(from)], tree.vertices[index(to)]),
-                    next.node, true});
-      }
+      if (const std::size_t feature = next.node - tree.leaves; feature < tree.features.size())
+        queue.push({tree.squared_distance(p, feature), next.node, true});
     } else {
       for (const std::size_t child : {2 * next.node, 2 * next.node + 1})
         if (const double distance = tree.boxes[child].squared_distance_from(p); distance < infinity)

@@ -16,6 +16,8 @@
 
 namespace dovetail {
 
+struct FeatureTree;
+
 /// Looks up local feature sizes in a tree over all features.
 class FeatureSize {
 public:
@@ -30,8 +32,7 @@ public:
   double at(Point p) const;
 
 private:
-  struct Tree;
-  std::unique_ptr<Tree> tree_;
+  std::unique_ptr<FeatureTree> tree_;
 };
 
 /// The integral of 1 / lfs^2 over all triangles, to better than one percent: every triangle is divided in

@@ -1,0 +1,45 @@
+/// A tree over the features of a graph, for whoever asks what of it is near. Private to mesh.
+#pragma once
+
+#include "dovetail/mesh/domain.hpp"
+
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace dovetail {
+
+/// Empty at first.
+struct Box {
+  Point low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  Point high{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  void add(Point p);
+  bool is_empty() const { return !(low.x <= high.x); }
+  double squared_distance_from(Point p) const;
+};
+
+/// A segment, or a vertex: then both ends are the same.
+struct Feature {
+  LocalIndex from;
+  LocalIndex to;
+  bool touches(const Feature &other) const {
+    return from == other.from || from == other.to || to == other.from || to == other.to;
+  }
+};
+
+/// A binary tree of boxes: node i has the children 2 i and 2 i + 1, the leaves are single features. O(n log
+/// n) to build.
+struct FeatureTree {
+  std::vector<Point> vertices;
+  std::vector<Feature> features; ///< of the leaf leaves + i; leaves behind the last one are empty
+  std::vector<Box> boxes;        ///< from 1 on; those of leaves from `leaves` on
+  std::size_t leaves = 1;
+
+  FeatureTree(std::span<const Point> vertices, std::vector<Feature> features);
+  double squared_distance(Point p, std::size_t feature) const;
+
+private:
+  void order(std::size_t first, std::size_t last);
+};
+
+} // namespace dovetail
