@@ -4,6 +4,7 @@
 #include "feature_tree.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <queue>
@@ -39,6 +40,39 @@ FeatureSize::FeatureSize(std::span<const Point> vertices, std::span<const Segmen
 FeatureSize::~FeatureSize() = default;
 FeatureSize::FeatureSize(FeatureSize &&) noexcept = default;
 
+namespace {
+
+/// Features that touch each other, as many as decide of the next one whether it touches all.
+class Touching {
+public:
+  /// False, and nothing more, if the feature does not touch one of those before.
+  bool add(const Feature &feature) {
+    if (!has_common(feature) && std::any_of(kept_.begin(), kept_.begin() + count_,
+                                            [&](const Feature &other) { return !feature.touches(other); }))
+      return false;
+    // No other feature touches all of three that have one end in common, or are the sides of a triangle; so
+    // more of them tell nothing.
+    if (count_ < kept_.size()) {
+      common_ = count_ == 0 ? feature : common_ends(common_, feature);
+      kept_[count_++] = feature;
+    }
+    return true;
+  }
+  /// Whether features with these ends cannot but touch all, however many.
+  bool is_full_and_has(const Feature &ends) const { return count_ == kept_.size() && has_common(ends); }
+
+private:
+  bool has_common(const Feature &f) const {
+    return (common_.from != none && f.has(common_.from)) || (common_.to != none && f.has(common_.to));
+  }
+
+  std::array<Feature, 3> kept_;
+  std::size_t count_ = 0;
+  Feature common_{none, none};
+};
+
+} // namespace
+
 /// Features come by distance; the first one that does not touch one of those before it decides.
 double FeatureSize::at(Point p) const {
   struct Candidate {
@@ -50,15 +84,15 @@ double FeatureSize::at(Point p) const {
   const FeatureTree &tree = *tree_;
   std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> queue;
   queue.push({0, 1, false});
-  std::vector<Feature> seen;
+  Touching seen;
   while (!queue.empty()) {
     const Candidate next = queue.top();
     queue.pop();
+    if (seen.is_full_and_has(tree.common[next.node]))
+      continue;
     if (next.is_exact) {
-      const Feature &feature = tree.features[next.node - tree.leaves];
-      if (std::ranges::any_of(seen, [&](const Feature &other) { return !feature.touches(other); }))
+      if (!seen.add(tree.features[next.node - tree.leaves]))
         return std::sqrt(next.distance);
-      seen.push_back(feature);
     } else if (next.node >= tree.leaves) {
       if (const std::size_t feature = next.node - tree.leaves; feature < tree.features.size())
         queue.push({tree.squared_distance(p, feature), next.node, true});
@@ -73,33 +107,43 @@ double FeatureSize::at(Point p) const {
 
 namespace {
 
-constexpr int deepest = 12;     // divisions in four
-constexpr double change = 0.03; // of a triangle's part; what is left of the error then is a fraction of it
+/// What taking quarters for all pieces changes, of the whole; what is left of the error then is a fraction of
+/// it.
+constexpr double change = 0.02;
+
+/// A triangle and its part of the integral, by its quarters, and how far that is from its part without them.
+struct Piece {
+  Point a, b, c; ///< ab is the longest side
+  double part;
+  double change;
+  bool operator<(const Piece &other) const { return change < other.change; }
+};
 
 /// 1 / lfs^2 at the middles of three sides, times a third of the area: exact for quadratic functions.
 class Quadrature {
 public:
   explicit Quadrature(const FeatureSize &size) : size_(size) {}
 
-  double integrate(Point a, Point b, Point c) const { return refined(a, b, c, rule(a, b, c), 0); }
+  Piece piece(Point a, Point b, Point c) const {
+    const Point ab = between(a, b, 0.5), bc = between(b, c, 0.5), ca = between(c, a, 0.5);
+    const double part = rule(a, ab, ca) + rule(ab, b, bc) + rule(ca, bc, c) + rule(ab, bc, ca);
+    const double difference = std::fabs(part - rule(a, b, c));
+    const double side_ab = squared_distance(a, b), side_bc = squared_distance(b, c),
+                 side_ca = squared_distance(c, a);
+    if (side_bc > side_ab && side_bc >= side_ca)
+      return {b, c, a, part, difference};
+    return side_ca > side_ab ? Piece{c, a, b, part, difference} : Piece{a, b, c, part, difference};
+  }
 
 private:
   double density(Point p) const {
     const double size = size_.at(p);
     return 1 / (size * size);
   }
+
   double rule(Point a, Point b, Point c) const {
     return std::fabs(doubled_area(a, b, c)) / 6 *
            (density(between(a, b, 0.5)) + density(between(b, c, 0.5)) + density(between(c, a, 0.5)));
-  }
-  double refined(Point a, Point b, Point c, double whole, int depth) const {
-    const Point ab = between(a, b, 0.5), bc = between(b, c, 0.5), ca = between(c, a, 0.5);
-    const double parts[4] = {rule(a, ab, ca), rule(ab, b, bc), rule(ca, bc, c), rule(ab, bc, ca)};
-    const double sum = parts[0] + parts[1] + parts[2] + parts[3];
-    if (!(std::fabs(sum - whole) > change * sum) || depth >= deepest)
-      return sum;
-    return refined(a, ab, ca, parts[0], depth + 1) + refined(ab, b, bc, parts[1], depth + 1) +
-           refined(ca, bc, c, parts[2], depth + 1) + refined(ab, bc, ca, parts[3], depth + 1);
   }
 
   const FeatureSize &size_;
@@ -107,16 +151,33 @@ private:
 
 } // namespace
 
+/// What changes most is divided first, wherever it is; in halves, since needles are long in one direction
+/// only.
 double integrate_feature_density(const DomainMesh &mesh, const FeatureSize &size, const Progress &progress) {
   const Quadrature quadrature(size);
   const std::vector<LocalIndex> &corners = mesh.triangles.corners;
   constexpr std::size_t at_once = 3 * 1024;
-  double sum = 0;
+  std::priority_queue<Piece> pieces;
+  double sum = 0, changes = 0;
+  const auto add = [&](const Piece &piece) {
+    sum += piece.part;
+    changes += piece.change;
+    pieces.push(piece);
+  };
   for (std::size_t side = 0; side < corners.size(); side += 3) {
     const auto corner = [&](std::size_t i) { return mesh.vertices[index(corners[side + i])]; };
-    sum += quadrature.integrate(corner(0), corner(1), corner(2));
+    add(quadrature.piece(corner(0), corner(1), corner(2)));
     if (side % at_once == 0)
       report_progress(progress, "measure", static_cast<double>(side) / static_cast<double>(corners.size()));
+  }
+  while (changes > change * sum) {
+    const Piece most = pieces.top();
+    pieces.pop();
+    sum -= most.part;
+    changes -= most.change;
+    const Point middle = between(most.a, most.b, 0.5);
+    add(quadrature.piece(most.a, middle, most.c));
+    add(quadrature.piece(middle, most.b, most.c));
   }
   return sum;
 }

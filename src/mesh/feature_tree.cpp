@@ -23,20 +23,30 @@ double Box::squared_distance_from(Point p) const {
   return x * x + y * y;
 }
 
+Feature common_ends(const Feature &a, const Feature &b) {
+  return {b.has(a.from) ? a.from : none, b.has(a.to) ? a.to : none};
+}
+
 FeatureTree::FeatureTree(std::span<const Point> all_vertices, std::vector<Feature> all_features)
     : vertices(all_vertices.begin(), all_vertices.end()), features(std::move(all_features)) {
   order(0, features.size());
   leaves = std::bit_ceil(std::max<std::size_t>(1, features.size()));
   boxes.resize(2 * leaves);
+  common.resize(2 * leaves, {none, none});
+  std::ranges::copy(features, common.begin() + static_cast<std::ptrdiff_t>(leaves));
   for (std::size_t i = 0; i < features.size(); ++i)
     for (const LocalIndex end : {features[i].from, features[i].to})
       boxes[leaves + i].add(vertices[index(end)]);
-  for (std::size_t node = leaves; node-- > 1;)
-    for (const std::size_t child : {2 * node, 2 * node + 1})
-      if (!boxes[child].is_empty()) {
-        boxes[node].add(boxes[child].low);
-        boxes[node].add(boxes[child].high);
-      }
+  for (std::size_t node = leaves; node-- > 1;) {
+    const std::size_t left = 2 * node, right = left + 1; // nothing is right without anything left
+    boxes[node] = boxes[left];
+    common[node] = common[left];
+    if (boxes[right].is_empty())
+      continue;
+    boxes[node].add(boxes[right].low);
+    boxes[node].add(boxes[right].high);
+    common[node] = common_ends(common[left], common[right]);
+  }
 }
 
 /// By the median of the longer extent of the middles.

@@ -22,10 +22,12 @@ struct Box {
 struct Feature {
   LocalIndex from;
   LocalIndex to;
-  bool touches(const Feature &other) const {
-    return from == other.from || from == other.to || to == other.from || to == other.to;
-  }
+  bool has(LocalIndex vertex) const { return from == vertex || to == vertex; }
+  bool touches(const Feature &other) const { return has(other.from) || has(other.to); }
 };
+
+/// The ends of one that the other has, too, or `none`.
+Feature common_ends(const Feature &a, const Feature &b);
 
 /// A binary tree of boxes: node i has the children 2 i and 2 i + 1, the leaves are single features. O(n log
 /// n) to build.
@@ -33,6 +35,8 @@ struct FeatureTree {
   std::vector<Point> vertices;
   std::vector<Feature> features; ///< of the leaf leaves + i; leaves behind the last one are empty
   std::vector<Box> boxes;        ///< from 1 on; those of leaves from `leaves` on
+  /// By node: the two ends that all features below it have, or `none`.
+  std::vector<Feature> common;
   std::size_t leaves = 1;
 
   FeatureTree(std::span<const Point> vertices, std::vector<Feature> features);

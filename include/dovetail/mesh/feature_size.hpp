@@ -27,17 +27,17 @@ public:
   ~FeatureSize();
   FeatureSize(FeatureSize &&) noexcept;
 
-  /// Infinite where there are no two such features. Rounded. Usually O(log n); more where many segments meet
-  /// in the nearest vertex.
+  /// Infinite where there are no two such features. Rounded. Usually O(log n).
   double at(Point p) const;
 
 private:
   std::unique_ptr<FeatureTree> tree_;
 };
 
-/// The integral of 1 / lfs^2 over all triangles, to better than one percent: every triangle is divided in
-/// four until that changes its part by less than three percent, of which a fraction remains. Some dozen to
-/// some hundred look-ups a triangle.
+/// The integral of 1 / lfs^2 over all triangles, to better than one percent: where quarters of a triangle
+/// tell most of what the whole did not, it is halved across its longest side, until quarters change two
+/// percent of the integral, of which a fraction remains. Fifteen look-ups a triangle, and thirty for every
+/// halving.
 double integrate_feature_density(const DomainMesh &mesh, const FeatureSize &size,
                                  const Progress &progress = {});
 
