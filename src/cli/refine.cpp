@@ -168,7 +168,14 @@ Outcome refine_start(const RefineCommand &command, Start start, const Progress &
   if (options.growth > 0)
     options.lone_vertices = lone_vertices(start.mesh, start.record, start.job.vertices.input_index);
   Outcome outcome;
-  outcome.refined = refine(std::move(start.mesh), start.record.segments, options);
+  try {
+    outcome.refined = refine(std::move(start.mesh), start.record.segments, options);
+  } catch (const Error &error) { // of the kernel, which knows no file
+    Problem problem = error.problem();
+    problem.place = problem.subject;
+    problem.subject = command.input;
+    throw Error(problem);
+  }
   start.record.min_angle = options.min_angle;
   start.record.left_triangles.clear();
   for (const LeftTriangle &left : outcome.refined.left_triangles)

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <queue>
 #include <vector>
 
@@ -50,6 +51,8 @@ public:
     if (!has_common(feature) && std::any_of(kept_.begin(), kept_.begin() + count_,
                                             [&](const Feature &other) { return !feature.touches(other); }))
       return false;
+    if (std::find(kept_.begin(), kept_.begin() + count_, feature) != kept_.begin() + count_)
+      return true; // another part of it
     // No other feature touches all of three that have one end in common, or are the sides of a triangle; so
     // more of them tell nothing.
     if (count_ < kept_.size()) {
@@ -91,11 +94,11 @@ double FeatureSize::at(Point p) const {
     if (seen.is_full_and_has(tree.common[next.node]))
       continue;
     if (next.is_exact) {
-      if (!seen.add(tree.features[next.node - tree.leaves]))
+      if (!seen.add(tree.parts[next.node - tree.leaves].feature))
         return std::sqrt(next.distance);
     } else if (next.node >= tree.leaves) {
-      if (const std::size_t feature = next.node - tree.leaves; feature < tree.features.size())
-        queue.push({tree.squared_distance(p, feature), next.node, true});
+      if (const std::size_t i = next.node - tree.leaves; i < tree.parts.size())
+        queue.push({tree.parts[i].squared_distance(p), next.node, true});
     } else {
       for (const std::size_t child : {2 * next.node, 2 * next.node + 1})
         if (const double distance = tree.boxes[child].squared_distance_from(p); distance < infinity)
@@ -110,6 +113,8 @@ namespace {
 /// What taking quarters for all pieces changes, of the whole; what is left of the error then is a fraction of
 /// it.
 constexpr double change = 0.02;
+/// More are needed only where doubles do not resolve the features, or needles are all there is.
+constexpr std::size_t fewest_halvings = 10'000, halvings_a_triangle = 20;
 
 /// A triangle and its part of the integral, by its quarters, and how far that is from its part without them.
 struct Piece {
@@ -153,7 +158,8 @@ private:
 
 /// What changes most is divided first, wherever it is; in halves, since needles are long in one direction
 /// only.
-double integrate_feature_density(const DomainMesh &mesh, const FeatureSize &size, const Progress &progress) {
+std::optional<double> integrate_feature_density(const DomainMesh &mesh, const FeatureSize &size,
+                                                const Progress &progress) {
   const Quadrature quadrature(size);
   const std::vector<LocalIndex> &corners = mesh.triangles.corners;
   constexpr std::size_t at_once = 3 * 1024;
@@ -170,14 +176,17 @@ double integrate_feature_density(const DomainMesh &mesh, const FeatureSize &size
     if (side % at_once == 0)
       report_progress(progress, "measure", static_cast<double>(side) / static_cast<double>(corners.size()));
   }
-  while (changes > change * sum) {
-    const Piece most = pieces.top();
+  const std::size_t most = fewest_halvings + halvings_a_triangle * pieces.size();
+  for (std::size_t halvings = 0; changes > change * sum; ++halvings) {
+    if (halvings == most)
+      return {};
+    const Piece worst = pieces.top();
     pieces.pop();
-    sum -= most.part;
-    changes -= most.change;
-    const Point middle = between(most.a, most.b, 0.5);
-    add(quadrature.piece(most.a, middle, most.c));
-    add(quadrature.piece(middle, most.b, most.c));
+    sum -= worst.part;
+    changes -= worst.change;
+    const Point middle = between(worst.a, worst.b, 0.5);
+    add(quadrature.piece(worst.a, middle, worst.c));
+    add(quadrature.piece(middle, worst.b, worst.c));
   }
   return sum;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 namespace dovetail {
 namespace {
@@ -27,16 +28,49 @@ Feature common_ends(const Feature &a, const Feature &b) {
   return {b.has(a.from) ? a.from : none, b.has(a.to) ? a.to : none};
 }
 
-FeatureTree::FeatureTree(std::span<const Point> all_vertices, std::vector<Feature> all_features)
-    : vertices(all_vertices.begin(), all_vertices.end()), features(std::move(all_features)) {
-  order(0, features.size());
-  leaves = std::bit_ceil(std::max<std::size_t>(1, features.size()));
+double FeaturePart::squared_distance(Point p) const {
+  const Displacement along = b - a;
+  const double length = squared_length(along);
+  const double fraction = length > 0 ? std::clamp(dot(p - a, along) / length, 0.0, 1.0) : 0.0;
+  return dovetail::squared_distance(p, a + fraction * along);
+}
+
+namespace {
+
+constexpr double most_parts = 8; // of a feature, on average, beside one
+
+std::vector<FeaturePart> cut(std::span<const Point> vertices, std::span<const Feature> features) {
+  const auto point = [&](LocalIndex v) { return vertices[index(v)]; };
+  double total = 0;
+  for (const Feature &f : features)
+    total += distance(point(f.from), point(f.to));
+  const double unit = total / most_parts / static_cast<double>(features.size());
+  std::vector<FeaturePart> parts;
+  for (const Feature &feature : features) {
+    const Point from = point(feature.from), to = point(feature.to);
+    const double pieces = unit > 0 ? std::max(1.0, std::ceil(distance(from, to) / unit)) : 1;
+    Point a = from;
+    for (double k = 1; k <= pieces; ++k) {
+      const Point b = k < pieces ? between(from, to, k / pieces) : to;
+      parts.push_back({a, b, feature});
+      a = b;
+    }
+  }
+  return parts;
+}
+
+} // namespace
+
+FeatureTree::FeatureTree(std::span<const Point> vertices, std::span<const Feature> features)
+    : parts(cut(vertices, features)), leaves(std::bit_ceil(std::max<std::size_t>(1, parts.size()))) {
+  order(0, parts.size());
   boxes.resize(2 * leaves);
   common.resize(2 * leaves, {none, none});
-  std::ranges::copy(features, common.begin() + static_cast<std::ptrdiff_t>(leaves));
-  for (std::size_t i = 0; i < features.size(); ++i)
-    for (const LocalIndex end : {features[i].from, features[i].to})
-      boxes[leaves + i].add(vertices[index(end)]);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    boxes[leaves + i].add(parts[i].a);
+    boxes[leaves + i].add(parts[i].b);
+    common[leaves + i] = parts[i].feature;
+  }
   for (std::size_t node = leaves; node-- > 1;) {
     const std::size_t left = 2 * node, right = left + 1; // nothing is right without anything left
     boxes[node] = boxes[left];
@@ -53,31 +87,21 @@ FeatureTree::FeatureTree(std::span<const Point> all_vertices, std::vector<Featur
 void FeatureTree::order(std::size_t first, std::size_t last) {
   if (last - first < 2)
     return;
-  const auto middle = [&](const Feature &f) {
-    return between(vertices[index(f.from)], vertices[index(f.to)], 0.5);
-  };
+  const auto middle = [](const FeaturePart &part) { return between(part.a, part.b, 0.5); };
   Box box;
   for (std::size_t i = first; i < last; ++i)
-    box.add(middle(features[i]));
+    box.add(middle(parts[i]));
   const bool by_x = box.high.x - box.low.x >= box.high.y - box.low.y;
-  // The left subtree is full but for the last features.
+  // The left subtree is full but for the last parts.
   const std::size_t half = std::bit_ceil(last - first) / 2;
-  const auto begin = features.begin() + static_cast<std::ptrdiff_t>(first);
+  const auto begin = parts.begin() + static_cast<std::ptrdiff_t>(first);
   std::nth_element(begin, begin + static_cast<std::ptrdiff_t>(half),
-                   features.begin() + static_cast<std::ptrdiff_t>(last),
-                   [&](const Feature &a, const Feature &b) {
-                     return by_x ? middle(a).x < middle(b).x : middle(a).y < middle(b).y;
+                   parts.begin() + static_cast<std::ptrdiff_t>(last),
+                   [&](const FeaturePart &p, const FeaturePart &q) {
+                     return by_x ? middle(p).x < middle(q).x : middle(p).y < middle(q).y;
                    });
   order(first, first + half);
   order(first + half, last);
-}
-
-double FeatureTree::squared_distance(Point p, std::size_t feature) const {
-  const Point a = vertices[index(features[feature].from)], b = vertices[index(features[feature].to)];
-  const Displacement along = b - a;
-  const double length = squared_length(along);
-  const double part = length > 0 ? std::clamp(dot(p - a, along) / length, 0.0, 1.0) : 0.0;
-  return dovetail::squared_distance(p, a + part * along);
 }
 
 } // namespace dovetail

@@ -22,6 +22,7 @@ struct Box {
 struct Feature {
   LocalIndex from;
   LocalIndex to;
+  friend constexpr bool operator==(const Feature &, const Feature &) = default;
   bool has(LocalIndex vertex) const { return from == vertex || to == vertex; }
   bool touches(const Feature &other) const { return has(other.from) || has(other.to); }
 };
@@ -29,18 +30,23 @@ struct Feature {
 /// The ends of one that the other has, too, or `none`.
 Feature common_ends(const Feature &a, const Feature &b);
 
-/// A binary tree of boxes: node i has the children 2 i and 2 i + 1, the leaves are single features. O(n log
-/// n) to build.
+/// A part of a feature: the boxes of long segments would be in each other's way.
+struct FeaturePart {
+  Point a, b;
+  Feature feature;
+  double squared_distance(Point p) const;
+};
+
+/// A binary tree of boxes over the parts of features, nine a feature at most on average: node i has the
+/// children 2 i and 2 i + 1. O(n log n) to build.
 struct FeatureTree {
-  std::vector<Point> vertices;
-  std::vector<Feature> features; ///< of the leaf leaves + i; leaves behind the last one are empty
-  std::vector<Box> boxes;        ///< from 1 on; those of leaves from `leaves` on
+  std::vector<FeaturePart> parts; ///< of the leaf leaves + i; leaves behind the last one are empty
+  std::vector<Box> boxes;         ///< from 1 on; those of leaves from `leaves` on
   /// By node: the two ends that all features below it have, or `none`.
   std::vector<Feature> common;
   std::size_t leaves = 1;
 
-  FeatureTree(std::span<const Point> vertices, std::vector<Feature> features);
-  double squared_distance(Point p, std::size_t feature) const;
+  FeatureTree(std::span<const Point> vertices, std::span<const Feature> features);
 
 private:
   void order(std::size_t first, std::size_t last);

@@ -25,6 +25,19 @@ void check(const RefineOptions &options) {
       refuse(name, fmt::format("{}", value), "ask for a positive number, or 0 for no limit");
 }
 
+/// New points have to survive the way back.
+int exponent_for(std::span<const Point> vertices) {
+  constexpr int least = -900;
+  const std::optional<int> exponent = scale_exponent(vertices);
+  if (!exponent || *exponent < least)
+    throw Error(
+        {ErrorKind::input, "coordinates", "",
+         exponent ? "they are so small that doubles have no room for new vertices"
+                  : "the largest and the smallest differ so much that lengths cannot be compared",
+         exponent ? "multiply them by a power of two" : "set to zero those that are next to nothing"});
+  return *exponent;
+}
+
 /// Lengths as they are where all coordinates are divided by 2^exponent.
 RefineOptions scaled(RefineOptions options, int exponent) {
   options.min_edge = std::ldexp(options.min_edge, -exponent);
@@ -63,7 +76,7 @@ Refined run_with_field(DomainMesh mesh, std::span<const Segment> segments, Refin
 
 Refined refine(DomainMesh mesh, std::span<const Segment> segments, const RefineOptions &options) {
   check(options);
-  const int exponent = scale_exponent(mesh.vertices);
+  const int exponent = exponent_for(mesh.vertices);
   if (exponent != 0)
     scale(mesh.vertices, -exponent);
   const RefineOptions scaled_options = scaled(options, exponent);

@@ -45,8 +45,8 @@ SizeField::SizeField(const DomainMesh &mesh, std::span<const LocalIndex> alone, 
     : tree_(mesh.vertices, boundary_of(mesh, alone)), growth_(growth),
       least_size_(2 * tree_.leaves, HUGE_VAL) {
   const std::vector<double> shortest = shortest_edges(mesh);
-  for (std::size_t i = 0; i < tree_.features.size(); ++i) {
-    const auto [from, to] = tree_.features[i];
+  for (std::size_t i = 0; i < tree_.parts.size(); ++i) {
+    const auto [from, to] = tree_.parts[i].feature;
     least_size_[tree_.leaves + i] =
         from == to ? shortest[index(from)] : distance(mesh.vertices[index(from)], mesh.vertices[index(to)]);
   }
@@ -66,8 +66,8 @@ bool SizeField::forbids(Point p, double length) const {
   };
   const auto candidate = [&](std::size_t node) -> Candidate {
     return {node, node < tree_.leaves ? tree_.boxes[node].squared_distance_from(p)
-                  : node - tree_.leaves < tree_.features.size()
-                      ? tree_.squared_distance(p, node - tree_.leaves)
+                  : node - tree_.leaves < tree_.parts.size()
+                      ? tree_.parts[node - tree_.leaves].squared_distance(p)
                       : HUGE_VAL};
   };
   std::array<Candidate, 64> stack; // two of each level at most

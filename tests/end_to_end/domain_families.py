@@ -75,13 +75,18 @@ def star(degrees):
     return draw
 
 
-def fan(n):
+def fans(n):
+    """Of 40 lines each, of three lengths; many more at one vertex make meshes that grow with their square."""
     drawing = Drawing()
-    drawing.square((-2, -2), 4)
-    drawing.vertices.append((0, 0))
-    for i in range(n):
-        drawing.segments.append((4, len(drawing.vertices)))
-        drawing.vertices.append(on_circle(1 + 0.3 * (i % 3), (i + 0.3) / n))
+    _, corners = tiles(max(1, n // 45))
+    for x, y in corners:
+        drawing.square((5 * x, 5 * y), 4)
+        centre = len(drawing.vertices)
+        drawing.vertices.append((5 * x + 2, 5 * y + 2))
+        for i in range(40):
+            drawing.segments.append((centre, len(drawing.vertices)))
+            dx, dy = on_circle(1 + 0.3 * (i % 3), (i + 0.3) / 40)
+            drawing.vertices.append((5 * x + 2 + dx, 5 * y + 2 + dy))
     return drawing
 
 
@@ -134,7 +139,7 @@ FAMILY = {
     "comb": comb,
     "star of 10 degrees": star(10),
     "star of 0.1 degrees": star(0.1),
-    "fan": fan,
+    "fans": fans,
     "slits": slits,
     "nested holes": nested,
     "many-sided": many_sides,

@@ -340,6 +340,18 @@ TEST(Refine, HugeAndTinyCoordinates) {
   }
 }
 
+/// What cannot be refined can still be triangulated and validated.
+TEST(Refine, RefusesSizesThatDoublesDoNotHave) {
+  PlanarGraph small = square(0, 0x1p-1000), mixed = square(0, 0x1p1000);
+  mixed.vertices.insert(mixed.vertices.end(), {{0x1p-1000, 0x1p-1000}, {0x1p-999, 0x1p-1000}});
+  mixed.segments.push_back({4, 5, 1});
+  for (const PlanarGraph &graph : {small, mixed, square(0, 0x1p-1074)}) {
+    const Domain domain = constrained(graph);
+    expect_valid(domain.mesh, domain.segments);
+    EXPECT_THROW(refined(domain, 25), Error);
+  }
+}
+
 TEST(Refine, NothingAndNonsense) {
   EXPECT_EQ(refine({}, {}).mesh.vertices.size(), 0U);
   const Domain line = constrained({.vertices = {{0, 0}, {1, 0}, {2, 0}},

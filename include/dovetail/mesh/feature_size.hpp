@@ -12,6 +12,7 @@
 #include "dovetail/mesh/domain.hpp"
 
 #include <memory>
+#include <optional>
 #include <span>
 
 namespace dovetail {
@@ -38,7 +39,7 @@ private:
 /// tell most of what the whole did not, it is halved across its longest side, until quarters change two
 /// percent of the integral, of which a fraction remains. Fifteen look-ups a triangle, and thirty for every
 /// halving.
-double integrate_feature_density(const DomainMesh &mesh, const FeatureSize &size,
-                                 const Progress &progress = {});
+std::optional<double> integrate_feature_density(const DomainMesh &mesh, const FeatureSize &size,
+                                                const Progress &progress = {});
 
 } // namespace dovetail

@@ -102,8 +102,9 @@ struct Refined {
 /// Refines a constrained Delaunay triangulation, for example what `constrain` or `refine` gave. `segments`:
 /// those that segment_of_side counts, the graph's and behind them Constrained::hull_segments. A segment may
 /// come in pieces already; what lies on it between its ends counts as Steiner points.
-/// An Error (usage) for options out of range. Expected O(n log n) for n vertices of the result; memory for
-/// the result twice.
+/// Errors: usage for options out of range; input for coordinates all below 2^-900, or partly beyond 2^200 (or
+/// all below 2^-200) and so different that no power of two brings them to about one. Expected O(n log n) for
+/// n vertices of the result; memory for the result twice.
 Refined refine(DomainMesh mesh, std::span<const Segment> segments, const RefineOptions &options = {});
 
 } // namespace dovetail
