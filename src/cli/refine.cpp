@@ -32,7 +32,6 @@ struct RefineCommand {
   std::string input;
   std::string output;
   DomainOptions domain;
-  bool convex = false;
   Boundary boundary = Boundary::hull;
   RefineOptions options;
   Telling telling;
@@ -126,7 +125,7 @@ Start start(const RefineCommand &command, const Session &session, PhaseLog &phas
   });
   meter.begin("constrain");
   phases.measure("constrain", [&] {
-    const bool whole_hull = is_domain ? command.convex : command.boundary == Boundary::hull;
+    const bool whole_hull = is_domain ? command.domain.convex : command.boundary == Boundary::hull;
     Constrained constrained =
         constrain_domain(result.job, {.outline = whole_hull ? Outline::convex_hull : Outline::segments});
     result.record = record_of(result.job, constrained);
@@ -338,8 +337,6 @@ void add_refine_options(CLI::App &parser, RefineCommand &command) {
   add_word_option(parser, "--boundary", command.boundary, boundaries,
                   "What bounds a set of points: its convex hull or its box")
       ->option_text("hull|box [hull]");
-  parser.add_flag("--convex", command.convex,
-                  "Keep the whole convex hull of a domain but for holes with seeds");
 }
 
 constexpr const char *details =

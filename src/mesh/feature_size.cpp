@@ -112,7 +112,7 @@ namespace {
 
 /// What taking quarters for all pieces changes, of the whole; what is left of the error then is a fraction of
 /// it.
-constexpr double change = 0.02;
+constexpr double change = 0.05;
 /// More are needed only where doubles do not resolve the features, or needles are all there is.
 constexpr std::size_t fewest_halvings = 10'000, halvings_a_triangle = 20;
 
@@ -188,7 +188,7 @@ std::optional<double> integrate_feature_density(const DomainMesh &mesh, const Fe
     add(quadrature.piece(worst.a, middle, worst.c));
     add(quadrature.piece(middle, worst.b, worst.c));
   }
-  return sum;
+  return std::isfinite(sum) ? std::optional(sum) : std::nullopt;
 }
 
 } // namespace dovetail

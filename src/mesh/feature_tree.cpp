@@ -37,7 +37,7 @@ double FeaturePart::squared_distance(Point p) const {
 
 namespace {
 
-constexpr double most_parts = 8; // of a feature, on average, beside one
+constexpr double most_parts = 4; // of a feature, on average, beside one
 
 std::vector<FeaturePart> cut(std::span<const Point> vertices, std::span<const Feature> features) {
   const auto point = [&](LocalIndex v) { return vertices[index(v)]; };

@@ -37,7 +37,7 @@ struct FeaturePart {
   double squared_distance(Point p) const;
 };
 
-/// A binary tree of boxes over the parts of features, nine a feature at most on average: node i has the
+/// A binary tree of boxes over the parts of features, five a feature at most on average: node i has the
 /// children 2 i and 2 i + 1. O(n log n) to build.
 struct FeatureTree {
   std::vector<FeaturePart> parts; ///< of the leaf leaves + i; leaves behind the last one are empty

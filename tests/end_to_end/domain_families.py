@@ -153,7 +153,7 @@ def user_seconds():
 
 
 class Families(harness.TestCase):
-    def refine_and_verify(self, domain, angle, holes):
+    def refine_and_verify(self, domain, angle, holes, may_lack_room):
         """The report of refine, its user seconds and those of verify."""
         mesh = self.folder / "mesh.vtkhdf"
         begin = user_seconds()
@@ -161,19 +161,24 @@ class Families(harness.TestCase):
         middle = user_seconds()
         verdict = self.report_of("verify", mesh, "--domain", domain, timeout=600)
         self.assertTrue(verdict["valid"])
-        self.assertEqual(verdict["left_triangles"], 0)
-        self.assertEqual(refined["left_subsegments"], 0)
-        self.assertEqual({left["reason"] for left in refined["left_triangles"]} - {"small input angle"}, set())
+        reasons = {left["reason"] for left in refined["left_triangles"]}
+        if may_lack_room:
+            self.assertLessEqual(reasons, {"small input angle", "precision"})
+        else:
+            self.assertLessEqual(reasons, {"small input angle"})
+            self.assertEqual((verdict["left_triangles"], refined["left_subsegments"]), (0, 0))
         return refined, middle - begin, user_seconds() - middle
 
     def run_family(self, name, scale, shift):
         holes = "even-odd" if name == "nested holes" else "seeds"
         domain = self.folder / "domain.poly"
+        # Random lines may cross nearer to each other than doubles at 1e7 resolve: told, and nothing else.
+        may_lack_room = shift > 0 and name in ("crossing segments", "chords")
         before = None
         for size in SIZES:
             domain.write_text(FAMILY[name](size).poly(scale, shift))
             for angle in ANGLES if size < 50_000 else (26.45,):
-                refined, seconds, verify_seconds = self.refine_and_verify(domain, angle, holes)
+                refined, seconds, verify_seconds = self.refine_and_verify(domain, angle, holes, may_lack_room)
                 print(f"{name:20} {'at 1e7' if shift else '':7} {angle:6} degrees  {refined['points']:8,} given "
                       f"{refined['triangles']:10,} triangles  refine {seconds:7.2f} s  verify {verify_seconds:7.2f} s  "
                       f"{1e6 * seconds / refined['triangles']:6.2f} us a triangle", flush=True)

@@ -36,9 +36,10 @@ private:
 };
 
 /// The integral of 1 / lfs^2 over all triangles, to better than one percent: where quarters of a triangle
-/// tell most of what the whole did not, it is halved across its longest side, until quarters change two
+/// tell most of what the whole did not, it is halved across its longest side, until quarters change five
 /// percent of the integral, of which a fraction remains. Fifteen look-ups a triangle, and thirty for every
-/// halving.
+/// halving. Nothing where features are below what doubles resolve, or 20 halvings a triangle (or 10,000, if
+/// that is more) were not enough.
 std::optional<double> integrate_feature_density(const DomainMesh &mesh, const FeatureSize &size,
                                                 const Progress &progress = {});
 
