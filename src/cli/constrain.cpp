@@ -23,7 +23,6 @@ struct ConstrainCommand {
   std::string input;
   std::string output;
   DomainOptions domain;
-  bool convex = false;
   Telling telling;
 };
 
@@ -55,7 +54,7 @@ ExitCode run_constrain(const ConstrainCommand &command, const Session &session) 
   DomainJob job = phases.measure("read", [&] { return domain_of_file(command.input, command.domain); });
   meter.begin("constrain");
   const DistributedMesh mesh = phases.measure("constrain", [&] {
-    const Outline outline = command.convex ? Outline::convex_hull : Outline::segments;
+    const Outline outline = command.domain.convex ? Outline::convex_hull : Outline::segments;
     Constrained constrained = constrain_domain(job, {.outline = outline});
     DomainRecord record = record_of(job, constrained);
     return slab_of_domain(std::move(constrained.mesh), std::move(record), job.vertices);
@@ -103,7 +102,6 @@ Subcommand add_constrain(CLI::App &app) {
       ->required()
       ->option_text("FILE (required)");
   add_domain_options(*parser, command->domain);
-  parser->add_flag("--convex", command->convex, "Keep the whole convex hull but for holes with seeds");
   add_telling_options(*parser, command->telling);
   return {parser, [command](const Session &session) { return run_constrain(*command, session); }};
 }

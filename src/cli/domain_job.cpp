@@ -72,6 +72,8 @@ void add_domain_options(CLI::App &parser, DomainOptions &options) {
   add_word_option(parser, "--holes", options.holes, hole_rules,
                   "Holes are where seeds are [.poly], or between nested outlines [GeoJSON]")
       ->option_text("seeds|even-odd");
+  parser.add_flag("--convex", options.convex,
+                  "Keep the whole convex hull of a domain but for holes with seeds");
 }
 
 void require_one_rank(const Session &session, const std::string &subcommand) {

@@ -25,8 +25,9 @@ enum class HoleRule : std::uint8_t {
 struct DomainOptions {
   CrossingRule crossings = CrossingRule::split;
   HoleRule holes = HoleRule::by_format;
+  bool convex = false; ///< keep the whole hull
 };
-/// Adds --crossings and --holes.
+/// Adds --crossings, --holes and --convex.
 void add_domain_options(CLI::App &parser, DomainOptions &options);
 
 /// A planar graph, and what its vertices are in the input.

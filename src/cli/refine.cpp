@@ -32,7 +32,6 @@ struct RefineCommand {
   std::string input;
   std::string output;
   DomainOptions domain;
-  bool convex = false;
   Boundary boundary = Boundary::hull;
   RefineOptions options;
   Telling telling;
@@ -126,7 +125,7 @@ Start start(const RefineCommand &command, const Session &session, PhaseLog &phas
   });
   meter.begin("constrain");
   phases.measure("constrain", [&] {
-    const bool whole_hull = is_domain ? command.convex : command.boundary == Boundary::hull;
+    const bool whole_hull = is_domain ? command.domain.convex : command.boundary == Boundary::hull;
     Constrained constrained =
         constrain_domain(result.job, {.outline = whole_hull ? Outline::convex_hull : Outline::segments});
     result.record = record_of(result.job, constrained);
@@ -136,18 +135,18 @@ Start start(const RefineCommand &command, const Session &session, PhaseLog &phas
 }
 
 /// Vertices of some triangle, given and without segments: features by themselves.
-std::vector<LocalIndex> lone_vertices(const DistributedMesh &mesh) {
-  const SlabMesh &slab = mesh.slabs.front();
+std::vector<LocalIndex> lone_vertices(const DomainMesh &mesh, const DomainRecord &record,
+                                      std::span<const GlobalIndex> input_index) {
   enum Use : std::uint8_t { unused, used, on_segment };
-  std::vector<Use> use(slab.vertices.points.size(), unused);
-  for (const LocalIndex corner : slab.triangles.corners)
+  std::vector<Use> use(mesh.vertices.size(), unused);
+  for (const LocalIndex corner : mesh.triangles.corners)
     use[static_cast<std::size_t>(corner)] = used;
-  for (const Segment &segment : mesh.domain->segments)
+  for (const Segment &segment : record.segments)
     for (const LocalIndex end : {segment.from, segment.to})
       use[static_cast<std::size_t>(end)] = on_segment;
   std::vector<LocalIndex> found;
-  for (std::size_t v = 0; v < use.size(); ++v)
-    if (use[v] == used && slab.vertices.input_index[v] < mesh.domain->given_vertices)
+  for (std::size_t v = 0; v < input_index.size(); ++v)
+    if (use[v] == used && input_index[v] < record.given_vertices)
       found.push_back(static_cast<LocalIndex>(v));
   return found;
 }
@@ -165,8 +164,17 @@ Outcome refine_start(const RefineCommand &command, Start start, const Progress &
   options.progress = progress;
   for (const RegionSeed &region : start.record.regions)
     options.max_area_of_region.push_back(region.max_area);
+  if (options.growth > 0)
+    options.lone_vertices = lone_vertices(start.mesh, start.record, start.job.vertices.input_index);
   Outcome outcome;
-  outcome.refined = refine(std::move(start.mesh), start.record.segments, options);
+  try {
+    outcome.refined = refine(std::move(start.mesh), start.record.segments, options);
+  } catch (const Error &error) { // of the kernel, which knows no file
+    Problem problem = error.problem();
+    problem.place = problem.subject;
+    problem.subject = command.input;
+    throw Error(problem);
+  }
   start.record.min_angle = options.min_angle;
   start.record.left_triangles.clear();
   for (const LeftTriangle &left : outcome.refined.left_triangles)
@@ -183,7 +191,9 @@ void measure_outcome(const Communicator &comm, const Progress &progress, Outcome
   if (outcome.mesh.triangle_count() > most_triangles_measured)
     return;
   const DomainMesh mesh = domain_of_slab(outcome.mesh);
-  const FeatureSize size(mesh.vertices, outcome.mesh.domain->segments, lone_vertices(outcome.mesh));
+  const DomainRecord &record = *outcome.mesh.domain;
+  const FeatureSize size(mesh.vertices, record.segments,
+                         lone_vertices(mesh, record, outcome.mesh.slabs.front().vertices.input_index));
   outcome.feature_integral = integrate_feature_density(mesh, size, part_of_stage(progress, 0.2, 1));
 }
 
@@ -303,8 +313,9 @@ void add_refine_options(CLI::App &parser, RefineCommand &command) {
       ->check(CLI::PositiveNumber)
       ->option_text("AREA");
   parser
-      .add_option("--growth", options.growth,
-                  "Triangles grow by this much with the distance from the boundary")
+      .add_option(
+          "--growth", options.growth,
+          "Size field: edges as long as those of the boundary, and this much longer a unit away from it")
       ->check(CLI::PositiveNumber)
       ->option_text("RATE");
   parser.add_option("--min-edge", options.min_edge, "No new point nearer than this to another")
@@ -326,8 +337,6 @@ void add_refine_options(CLI::App &parser, RefineCommand &command) {
   add_word_option(parser, "--boundary", command.boundary, boundaries,
                   "What bounds a set of points: its convex hull or its box")
       ->option_text("hull|box [hull]");
-  parser.add_flag("--convex", command.convex,
-                  "Keep the whole convex hull of a domain but for holes with seeds");
 }
 
 constexpr const char *details =

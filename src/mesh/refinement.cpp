@@ -2,7 +2,6 @@
 
 #include "dovetail/base/huge_pages.hpp"
 #include "dovetail/geometry/predicates.hpp"
-#include "size_field.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -25,16 +24,15 @@ constexpr double safely_within = 0.99;
 
 } // namespace
 
-Refinement::Refinement(DomainMesh mesh, std::span<const Segment> segments, const RefineOptions &options)
-    : options_(options), segments_(segments), bound_(options.min_angle),
+Refinement::Refinement(DomainMesh mesh, std::span<const Segment> segments, const RefineOptions &options,
+                       const SizeField *size_field)
+    : options_(options), size_field_(size_field), segments_(segments), bound_(options.min_angle),
       small_angles_(mesh.vertices, segments), given_markers_(std::move(mesh.vertex_markers)),
       faces_(faces_of(mesh)), tiles_(mesh.vertices, options.max_area), skinny_(tiles_.count()),
       search_(vertices_, faces_) {
   number_vertices(mesh);
   if (options.locked)
     lock(options.locked);
-  if (options.growth > 0)
-    size_ = local_sizes(vertices_, faces_, options.growth);
   double reach = 0;
   for (const Point &p : vertices_)
     reach = std::max({reach, std::fabs(p.x), std::fabs(p.y)});
@@ -133,36 +131,19 @@ bool Refinement::is_exempt(LocalIndex t, std::size_t shortest) const {
                                     segment_of_vertex_[index(q)]);
 }
 
+/// The size field tells edges; a triangle counts as an equilateral one of its area.
 bool Refinement::is_too_large(LocalIndex t) const {
   const Face &face = faces_.face(t);
   double limit = options_.max_area > 0 ? options_.max_area : HUGE_VAL;
-  if (options_.growth > 0)
-    limit = std::min(limit, field_limit(face));
   if (face.region != none && index(face.region) < options_.max_area_of_region.size())
     if (const double own = options_.max_area_of_region[index(face.region)]; own > 0)
       limit = std::min(limit, own);
-  if (limit == HUGE_VAL)
+  if (limit == HUGE_VAL && size_field_ == nullptr)
     return false;
-  return 0.5 * doubled_area(point(face.corner[0]), point(face.corner[1]), point(face.corner[2])) > limit;
-}
-
-/// The area of an equilateral triangle with the edges that the size field allows at the barycentre.
-double Refinement::field_limit(const Face &face) const {
   const Point a = point(face.corner[0]), b = point(face.corner[1]), c = point(face.corner[2]);
-  const Point middle = barycentre(a, b, c);
-  double size = HUGE_VAL;
-  for (const LocalIndex v : face.corner)
-    size = std::min(size, size_[index(v)] + options_.growth * distance(point(v), middle));
-  return std::sqrt(3.0) / 4 * size * size;
-}
-
-void Refinement::extend_size(const SteinerCavity &cavity, LocalIndex v) {
-  if (options_.growth == 0)
-    return;
-  size_.resize(vertices_.size(), HUGE_VAL);
-  for (const RimEdge &edge : cavity.rim)
-    size_[index(v)] = std::min(size_[index(v)],
-                               size_[index(edge.from)] + options_.growth * std::sqrt(edge.squared_distance));
+  const double area = 0.5 * doubled_area(a, b, c);
+  return area > limit || (size_field_ != nullptr &&
+                          size_field_->forbids(barycentre(a, b, c), std::sqrt(4 / std::sqrt(3.0) * area)));
 }
 
 void Refinement::look_at_fan(const SteinerCavity &cavity) {
@@ -264,8 +245,6 @@ void Refinement::split(HalfEdge h) {
   const LocalIndex v = add_vertex(*p, cavity_.segment);
   if (v == none)
     return;
-  extend_size(cavity_, v);
-  extend_size(right_cavity_, v);
   commit_halves(cavity_, right_cavity_, v, faces_);
   look_at_fan(cavity_);
   look_at_fan(right_cavity_);
@@ -315,7 +294,6 @@ void Refinement::insert_inside(const SkinnyQueue::Entry &entry) {
   const LocalIndex v = add_vertex(p, none);
   if (v == none)
     return;
-  extend_size(cavity_, v);
   commit(cavity_, v, faces_);
   look_at_fan(cavity_);
 }

@@ -9,6 +9,7 @@
 #include "dovetail/mesh/quality.hpp"
 #include "dovetail/mesh/refine.hpp"
 #include "faces.hpp"
+#include "size_field.hpp"
 #include "skinny_queue.hpp"
 #include "steiner_cavity.hpp"
 #include "tiles.hpp"
@@ -21,7 +22,9 @@ namespace dovetail {
 
 class Refinement {
 public:
-  Refinement(DomainMesh mesh, std::span<const Segment> segments, const RefineOptions &options);
+  /// size_field: or nullptr. The growth among the options is not looked at.
+  Refinement(DomainMesh mesh, std::span<const Segment> segments, const RefineOptions &options,
+             const SizeField *size_field);
   void run();
   /// Once, after run.
   Refined result();
@@ -63,8 +66,6 @@ private:
   bool is_bad(LocalIndex t, const SquaredSides &sides) const;
   bool is_exempt(LocalIndex t, std::size_t shortest) const;
   bool is_too_large(LocalIndex t) const;
-  double field_limit(const Face &face) const;
-  void extend_size(const SteinerCavity &cavity, LocalIndex v);
   double least_squared_distance(const SteinerCavity &cavity) const;
   std::optional<LeftReason> too_near(double squared_distance) const;
   void leave(LocalIndex t, LeftReason reason);
@@ -74,6 +75,7 @@ private:
   Point point(LocalIndex v) const { return vertices_[static_cast<std::size_t>(v)]; }
 
   const RefineOptions &options_;
+  const SizeField *size_field_;
   std::span<const Segment> segments_;
   AngleBound bound_;
   SmallAngles small_angles_;
@@ -82,7 +84,6 @@ private:
   std::vector<LocalIndex> given_number_; ///< of the vertices, which are numbered in the order of triangles
   std::vector<Point> vertices_;
   std::vector<LocalIndex> segment_of_vertex_; ///< as segments_of_vertices
-  std::vector<double> size_;                  ///< of edges at a vertex; empty without a size field
   std::vector<std::int32_t> given_markers_;
   Faces faces_;
 

@@ -5,7 +5,7 @@
 
 namespace dovetail {
 
-int scale_exponent(std::span<const Point> points) {
+std::optional<int> scale_exponent(std::span<const Point> points) {
   constexpr double most = 0x1p200, least = 0x1p-200;
   double reach = 0;
   for (const Point &p : points)
@@ -16,11 +16,9 @@ int scale_exponent(std::span<const Point> points) {
   const auto survives = [&](double value) {
     return std::ldexp(std::ldexp(value, -exponent), exponent) == value;
   };
-  // New points have to survive the way back.
-  const bool possible = exponent > -900 && std::ranges::all_of(points, [&](const Point &p) {
-                          return survives(p.x) && survives(p.y);
-                        });
-  return possible ? exponent : 0;
+  const bool possible =
+      std::ranges::all_of(points, [&](const Point &p) { return survives(p.x) && survives(p.y); });
+  return possible ? std::optional(exponent) : std::nullopt;
 }
 
 void scale(std::span<Point> points, int exponent) {

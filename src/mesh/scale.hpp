@@ -3,13 +3,14 @@
 
 #include "dovetail/base/types.hpp"
 
+#include <optional>
 #include <span>
 
 namespace dovetail {
 
 /// The power of two by which all coordinates can be divided without rounding, so that the greatest is about
-/// one; 0 if that is not needed, or not possible.
-int scale_exponent(std::span<const Point> points);
+/// one; 0 if that is not needed. Nothing if it is not possible: coordinates are of too different sizes.
+std::optional<int> scale_exponent(std::span<const Point> points);
 
 /// Times 2^exponent.
 void scale(std::span<Point> points, int exponent);

@@ -3,71 +3,89 @@
 #include "dovetail/geometry/constructions.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <functional>
-#include <queue>
 
 namespace dovetail {
 namespace {
 
-constexpr std::size_t index(LocalIndex i) { return static_cast<std::size_t>(i); }
+template <class Index> constexpr std::size_t index(Index i) { return static_cast<std::size_t>(i); }
 
-std::vector<double> local_features(std::span<const Point> vertices, const Faces &faces) {
-  std::vector<double> feature(vertices.size(), HUGE_VAL);
-  const auto lower = [&](LocalIndex v, double value) {
-    feature[index(v)] = std::min(feature[index(v)], value);
-  };
-  for (HalfEdge h = 0; h < 4 * faces.count(); h = face_side(h) == 2 ? h + 2 : h + 1) {
-    const Point from = vertices[index(faces.from(h))], to = vertices[index(faces.to(h))];
-    const double length = distance(from, to);
-    lower(faces.from(h), length);
-    lower(faces.to(h), length);
-    const Point apex = vertices[index(faces.apex(h))];
-    if (faces.is_segment(h) && dot(apex - from, to - from) > 0 && dot(apex - to, from - to) > 0)
-      lower(faces.apex(h), doubled_area(from, to, apex) / length);
+/// Of all triangles, the ends of side i of triangle t at 3t + i.
+Feature side(const DomainMesh &mesh, std::size_t i) {
+  const std::size_t base = i - i % 3;
+  return {mesh.triangles.corners[base + (i + 1) % 3], mesh.triangles.corners[base + (i + 2) % 3]};
+}
+
+std::vector<Feature> boundary_of(const DomainMesh &mesh, std::span<const LocalIndex> alone) {
+  std::vector<Feature> features;
+  for (std::size_t i = 0; i < mesh.segment_of_side.size(); ++i)
+    if (mesh.segment_of_side[i] != none)
+      if (const Feature piece = side(mesh, i); mesh.triangles.neighbours[i] == none || piece.from < piece.to)
+        features.push_back(piece);
+  for (const LocalIndex v : alone)
+    features.push_back({v, v});
+  return features;
+}
+
+std::vector<double> shortest_edges(const DomainMesh &mesh) {
+  std::vector<double> shortest(mesh.vertices.size(), HUGE_VAL);
+  for (std::size_t i = 0; i < mesh.triangles.corners.size(); ++i) {
+    const auto [from, to] = side(mesh, i);
+    const double length = distance(mesh.vertices[index(from)], mesh.vertices[index(to)]);
+    for (const LocalIndex end : {from, to})
+      shortest[index(end)] = std::min(shortest[index(end)], length);
   }
-  return feature;
+  return shortest;
 }
 
 } // namespace
 
-/// Dijkstra's algorithm from all vertices at once, over the edges of each vertex.
-std::vector<double> local_sizes(std::span<const Point> vertices, const Faces &faces, double growth) {
-  std::vector<double> size = local_features(vertices, faces);
-  std::vector<std::size_t> first(vertices.size() + 1, 0); // of the half-edges that leave a vertex
-  for (const Face &face : faces.faces)
-    for (const LocalIndex v : face.corner)
-      first[index(v) + 1] += 2;
-  for (std::size_t v = 0; v < vertices.size(); ++v)
-    first[v + 1] += first[v];
-  std::vector<LocalIndex> neighbours(first.back());
-  std::vector<std::size_t> end(first.begin(), first.end() - 1);
-  for (const Face &face : faces.faces)
-    for (std::size_t i = 0; i < 3; ++i)
-      for (const std::size_t j : {(i + 1) % 3, (i + 2) % 3})
-        neighbours[end[index(face.corner[i])]++] = face.corner[j];
-
-  using Entry = std::pair<double, LocalIndex>;
-  std::vector<Entry> entries;
-  for (std::size_t v = 0; v < vertices.size(); ++v)
-    if (size[v] < HUGE_VAL)
-      entries.emplace_back(size[v], static_cast<LocalIndex>(v));
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue({}, std::move(entries));
-  while (!queue.empty()) {
-    const auto [of_v, v] = queue.top();
-    queue.pop();
-    if (of_v > size[index(v)])
-      continue;
-    for (std::size_t i = first[index(v)]; i < first[index(v) + 1]; ++i) {
-      const LocalIndex u = neighbours[i];
-      const double reached = of_v + growth * distance(vertices[index(v)], vertices[index(u)]);
-      if (reached < size[index(u)]) {
-        size[index(u)] = reached;
-        queue.emplace(reached, u);
-      }
-    }
+SizeField::SizeField(const DomainMesh &mesh, std::span<const LocalIndex> alone, double growth)
+    : tree_(mesh.vertices, boundary_of(mesh, alone)), growth_(growth),
+      least_size_(2 * tree_.leaves, HUGE_VAL) {
+  const std::vector<double> shortest = shortest_edges(mesh);
+  for (std::size_t i = 0; i < tree_.parts.size(); ++i) {
+    const auto [from, to] = tree_.parts[i].feature;
+    least_size_[tree_.leaves + i] =
+        from == to ? shortest[index(from)] : distance(mesh.vertices[index(from)], mesh.vertices[index(to)]);
   }
-  return size;
+  for (std::size_t node = tree_.leaves; node-- > 1;)
+    least_size_[node] = std::min(least_size_[2 * node], least_size_[2 * node + 1]);
+}
+
+/// Depth first, the nearer child first, only where the sizes and the distance of a box leave a doubt.
+bool SizeField::forbids(Point p, double length) const {
+  struct Candidate {
+    std::size_t node;
+    double squared_distance;
+  };
+  const auto is_open = [&](const Candidate &c) {
+    const double slack = (length - least_size_[c.node]) / growth_; // how near is too near
+    return slack > 0 && c.squared_distance < slack * slack;
+  };
+  const auto candidate = [&](std::size_t node) -> Candidate {
+    return {node, node < tree_.leaves ? tree_.boxes[node].squared_distance_from(p)
+                  : node - tree_.leaves < tree_.parts.size()
+                      ? tree_.parts[node - tree_.leaves].squared_distance(p)
+                      : HUGE_VAL};
+  };
+  std::array<Candidate, 64> stack; // two of each level at most
+  std::size_t depth = 0;
+  if (const Candidate root = candidate(1); is_open(root))
+    stack[depth++] = root;
+  while (depth > 0) {
+    const Candidate next = stack[--depth];
+    if (next.node >= tree_.leaves)
+      return true;
+    Candidate near = candidate(2 * next.node), far = candidate(2 * next.node + 1);
+    if (far.squared_distance < near.squared_distance)
+      std::swap(near, far);
+    for (const Candidate &child : {far, near})
+      if (is_open(child))
+        stack[depth++] = child;
+  }
+  return false;
 }
 
 } // namespace dovetail

@@ -263,9 +263,12 @@ private:
     LocalIndex from, to;
   };
 
+  /// Whatever the size of coordinates.
   double place(const Segment &s, LocalIndex v) const {
-    const Displacement way = point(s.to) - point(s.from);
-    return v == s.to ? 1 : dot(point(v) - point(s.from), way) / squared_length(way);
+    const Displacement way = point(s.to) - point(s.from), part = point(v) - point(s.from);
+    const double reach = std::max(std::fabs(way.x), std::fabs(way.y));
+    const Displacement direction{way.x / reach, way.y / reach};
+    return v == s.to ? 1 : dot({part.x / reach, part.y / reach}, direction) / squared_length(direction);
   }
 
   void check_chains() {
@@ -355,7 +358,7 @@ std::string_view name_of(DomainFaultKind kind) {
 
 DomainReport validate_domain(const DomainMesh &mesh, std::span<const Segment> segments, double min_angle,
                              std::size_t faults_kept) {
-  const int exponent = scale_exponent(mesh.vertices);
+  const int exponent = scale_exponent(mesh.vertices).value_or(0); // nothing of such sizes was refined
   if (exponent == 0)
     return DomainValidation(mesh, segments, min_angle, faults_kept).run();
   DomainMesh scaled = mesh;

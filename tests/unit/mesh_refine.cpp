@@ -168,24 +168,72 @@ TEST(Refine, EveryRegionHasItsArea) {
   EXPECT_GT(greatest_area(result.mesh, 0), 1e-3);
 }
 
-/// With a small feature at the origin of an otherwise empty square, sizes grow in proportion to the distance.
-TEST(Refine, SizeFieldGrowsFromFeatures) {
+struct BoundaryPiece {
+  Point from, to;
+  double length;
+};
+
+/// Pieces of segments, and the pair of vertices that the test adds.
+std::vector<BoundaryPiece> boundary_pieces(const DomainMesh &mesh, std::span<const LocalIndex> alone) {
+  std::vector<BoundaryPiece> pieces;
+  for (const LocalIndex v : alone)
+    pieces.push_back({mesh.vertices[index(v)], mesh.vertices[index(v)], HUGE_VAL});
+  for (std::size_t side = 0; side < mesh.segment_of_side.size(); ++side) {
+    const auto corner = corners_of(mesh, side / 3);
+    const Point a = corner[(side + 1) % 3], b = corner[(side + 2) % 3];
+    const double length = std::hypot(a.x - b.x, a.y - b.y);
+    if (mesh.segment_of_side[side] != none)
+      pieces.push_back({a, b, length});
+    for (std::size_t i = 0; i < alone.size(); ++i)
+      if (pieces[i].from == a || pieces[i].from == b)
+        pieces[i].length = std::min(pieces[i].length, length);
+  }
+  return pieces;
+}
+
+/// Of edges at p, from every piece.
+double permitted(Point p, std::span<const BoundaryPiece> pieces, double growth) {
+  double least = HUGE_VAL;
+  for (const auto &[a, b, length] : pieces) {
+    const double dx = b.x - a.x, dy = b.y - a.y, squared = dx * dx + dy * dy;
+    const double t =
+        squared > 0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / squared, 0.0, 1.0) : 0.0;
+    least = std::min(least, length + growth * std::hypot(a.x + t * dx - p.x, a.y + t * dy - p.y));
+  }
+  return least;
+}
+
+/// The field is what the mesh without one says of the boundary, whatever is between here and there. A slit, a
+/// pair of vertices, and a hole with small features beyond a wall.
+TEST(Refine, SizesGrowWithTheDistanceFromTheBoundary) {
   PlanarGraph graph = square(-1, 1);
-  graph.vertices.insert(graph.vertices.end(), {{0, 0}, {0.01, 0}});
+  graph.vertices.insert(graph.vertices.end(),
+                        {{0, 0}, {0.01, 0}, {-0.5, 0.5}, {0.5, 0.5}, {-0.5, 0.51}, {0.5, 0.51}});
+  graph.segments.insert(graph.segments.end(), {{6, 7, 1}, {8, 9, 2}});
+  const std::vector<LocalIndex> alone{4, 5};
   const Domain domain = constrained(graph);
-  std::size_t before = refined(domain, 20).mesh.region.size();
+  const Refined plain = refined(domain, 20);
+  const std::vector<BoundaryPiece> pieces = boundary_pieces(plain.mesh, alone);
+  std::size_t before = plain.mesh.region.size();
   for (const double growth : {1.0, 0.3, 0.1}) {
-    const Refined result = refine(domain.mesh, domain.segments, {.min_angle = 20, .growth = growth});
+    const Refined result =
+        refine(domain.mesh, domain.segments, {.min_angle = 20, .growth = growth, .lone_vertices = alone});
     expect_valid(result.mesh, domain.segments, 20);
-    EXPECT_GT(result.mesh.region.size(), before);
-    before = result.mesh.region.size();
+    EXPECT_TRUE(result.left_triangles.empty());
+    EXPECT_EQ(index(result.points_inside + result.points_on_segments),
+              result.mesh.vertices.size() - domain.mesh.vertices.size());
+    double ideal = 0; // triangles that are as large as they may be
     for (std::size_t t = 0; t < result.mesh.region.size(); ++t) {
       const auto [a, b, c] = corners_of(result.mesh, t);
-      const double far = std::hypot((a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3);
       const double area = ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)) / 2;
-      const double edge = std::sqrt(4 * area / std::sqrt(3));
-      EXPECT_LT(edge, 0.01 + 1.3 * growth * far); // the way along edges is longer than the distance
+      const double edge = permitted({(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3}, pieces, growth);
+      const double limit = std::sqrt(3) / 4 * edge * edge;
+      EXPECT_LE(area, limit * (1 + 1e-9));
+      ideal += area / limit;
     }
+    EXPECT_GT(result.mesh.region.size(), before);
+    before = result.mesh.region.size();
+    EXPECT_LT(static_cast<double>(before - plain.mesh.region.size()), 3 * ideal);
   }
 }
 
@@ -289,6 +337,18 @@ TEST(Refine, HugeAndTinyCoordinates) {
     expect_valid(result.mesh, domain.segments, 25);
     EXPECT_NEAR(static_cast<double>(result.mesh.region.size()), static_cast<double>(expected),
                 0.1 * static_cast<double>(expected)); // shells at other powers of two
+  }
+}
+
+/// What cannot be refined can still be triangulated and validated.
+TEST(Refine, RefusesSizesThatDoublesDoNotHave) {
+  PlanarGraph small = square(0, 0x1p-1000), mixed = square(0, 0x1p1000);
+  mixed.vertices.insert(mixed.vertices.end(), {{0x1p-1000, 0x1p-1000}, {0x1p-999, 0x1p-1000}});
+  mixed.segments.push_back({4, 5, 1});
+  for (const PlanarGraph &graph : {small, mixed, square(0, 0x1p-1074)}) {
+    const Domain domain = constrained(graph);
+    expect_valid(domain.mesh, domain.segments);
+    EXPECT_THROW(refined(domain, 25), Error);
   }
 }
 

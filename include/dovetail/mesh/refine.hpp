@@ -50,11 +50,13 @@ struct RefineOptions {
   double max_area = 0;      ///< 0: no limit
   /// Of region i of the graph, 0: no limit of its own; regions behind its end have none.
   std::vector<double> max_area_of_region = {};
-  /// Size field: at a vertex of the given mesh edges may be as long as its local feature, which is the
-  /// distance to the next vertex or segment among the triangles around it, and at distance d from there
-  /// longer by growth * d. A triangle is too large if its area is more than that of an equilateral triangle
-  /// with such edges at its barycentre. 0: no size field.
+  /// Size field, 0: none. The boundary, as fine as it is without this option, asks for triangles no larger
+  /// than its pieces there; at distance d from a piece of length l an equilateral triangle of the same area
+  /// may have edges of l + growth * d. The least over all pieces holds, at the barycentre of a triangle.
   double growth = 0;
+  /// Vertices of the given mesh that are boundary to the size field though they have no segment. A piece
+  /// there is as long as the shortest edge.
+  std::vector<LocalIndex> lone_vertices = {};
   LocalIndex max_points = std::numeric_limits<LocalIndex>::max(); ///< vertices, those of the input included
   double min_edge = 0; ///< no new point is nearer than this to another vertex
   /// Whether the edge on this side of this triangle of the given mesh, inside it, is locked: no triangle that
@@ -100,8 +102,9 @@ struct Refined {
 /// Refines a constrained Delaunay triangulation, for example what `constrain` or `refine` gave. `segments`:
 /// those that segment_of_side counts, the graph's and behind them Constrained::hull_segments. A segment may
 /// come in pieces already; what lies on it between its ends counts as Steiner points.
-/// An Error (usage) for options out of range. Expected O(n log n) for n vertices of the result; memory for
-/// the result twice.
+/// Errors: usage for options out of range; input for coordinates all below 2^-900, or partly beyond 2^200 (or
+/// all below 2^-200) and so different that no power of two brings them to about one. Expected O(n log n) for
+/// n vertices of the result; memory for the result twice.
 Refined refine(DomainMesh mesh, std::span<const Segment> segments, const RefineOptions &options = {});
 
 } // namespace dovetail
