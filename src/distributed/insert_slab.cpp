@@ -19,13 +19,15 @@ namespace dovetail::insertion {
 namespace {
 
 /// A walk through a Delaunay mesh meets no triangle twice (mesh/locate.hpp). As nothing is locked, this
-/// predicate only counts.
+/// predicate only counts, and makes sure that the triangles on both sides of an edge agree on it before the
+/// walk steps across.
 struct WalkLimit {
-  LocalIndex most;
+  const Triangulation &triangles;
   mutable LocalIndex steps = 0;
-  bool operator()(LocalIndex triangle, int) const {
-    if (++steps > most)
+  bool operator()(LocalIndex triangle, int side) const {
+    if (++steps > triangles.triangle_count())
       refuse_mesh(fmt::format("triangle {} of a slab", triangle), "is not Delaunay: a walk does not end");
+    sound_twin(triangles, half_edge(triangle, side));
     return false;
   }
 };
@@ -60,8 +62,7 @@ public:
 
   void insert(LocalIndex vertex) {
     const Point site = points_[at(vertex)];
-    const Place place =
-        locate(points_, triangles_, site, hint_for(site), WalkLimit{triangles_.triangle_count()});
+    const Place place = locate(points_, triangles_, site, hint_for(site), WalkLimit{triangles_});
     if (place.kind == PlaceKind::vertex)
       refuse_mesh(fmt::format("triangle {} of a slab", place.triangle), "has a corner that is no site");
     const SoundSides sound{points_, triangles_};

@@ -20,6 +20,7 @@
 
 #include <cassert>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace dovetail {
@@ -46,17 +47,24 @@ struct Cavity {
   bool has_locked_side = false; ///< a triangle of the cavity has one, or one is seen from outside; an edge
                                 ///< that is split counts
 
-  /// A side still to be looked across, its ends as seen from the site.
+  /// Two sides of a triangle of the cavity that follow each other, and what lies beyond each.
   struct Front {
-    HalfEdge side;
-    LocalIndex from;
-    LocalIndex to;
-    Seen from_seen;
-    Seen to_seen;
-    double cross; ///< of these two
+    HalfEdge side[2];
+    LocalIndex vertex[3]; ///< where the first begins, where both meet, where the second ends
+    LocalIndex beyond[2]; ///< triangles; on the hull the side's own
+    LocalIndex tip[2];    ///< their corners across
+    bool taken[2];        ///< belongs to the cavity
+    Seen from;            ///< the ends of the two sides, and the tips
+    Seen to;
+    Seen tips;
+    Pair from_cross_tip;
+    Pair tip_cross_to;
+    std::size_t edges; ///< so many of `later` come after these sides
+    Front() {}         ///< sets nothing: all is set when it is looked across
   };
-  std::vector<Front> fronts;   ///< empty between calls
-  std::vector<HalfEdge> sides; ///< what flips work with (flip.hpp); empty between calls
+  std::vector<Front> fronts;     ///< empty between calls
+  std::vector<CavityEdge> later; ///< edges that come after a front; the last one first; empty between calls
+  std::vector<HalfEdge> sides;   ///< what flips work with (flip.hpp); empty between calls
 };
 
 /// Is a site inside the circle of a triangle? By the canonical rule; it must not be a corner.
@@ -78,7 +86,7 @@ template <class Locked> struct Search {
 
   using Front = Cavity::Front;
 
-  Seen see(LocalIndex vertex) const { return dovetail::see(sites[position(vertex)], site); }
+  Pair see(LocalIndex vertex) const { return dovetail::see(sites[position(vertex)], site); }
 
   bool is_locked(HalfEdge h) const {
     const bool yes = locked(triangle_of(h), side_of(h));
@@ -86,58 +94,108 @@ template <class Locked> struct Search {
     return yes;
   }
 
-  static Front front(HalfEdge side, LocalIndex from, LocalIndex to, const Seen &from_seen,
-                     const Seen &to_seen) {
-    return {side, from, to, from_seen, to_seen, dovetail::cross(from_seen, to_seen)};
-  }
-
   /// What the filter leaves undecided.
-  [[gnu::noinline, gnu::cold]] Sign undecided(LocalIndex triangle) const {
-    return is_in_circle(sites, mesh, triangle, site) ? Sign::positive : Sign::negative;
+  [[gnu::noinline, gnu::cold]] bool undecided(LocalIndex triangle) const {
+    return is_in_circle(sites, mesh, triangle, site);
   }
 
-  /// Looks across a side, and on from those of a triangle that is taken. The one that comes later waits in
-  /// `fronts`, and all that waits is looked across.
-  void cross(Front front) const {
+  /// Looks across both sides of a front, of which all is known but what lies beyond: before it is known
+  /// whether the first will be taken, so that the processor need not wait for the one to begin the other.
+  void look(Front &front, Pair from_cross_to) const {
+    bool open[2];
+    for (std::size_t i = 0; i < 2; ++i) {
+      const LocalIndex beyond = mesh.neighbours[position(front.side[i])];
+      open[i] = !is_locked(front.side[i]) && beyond != none;
+      front.beyond[i] = beyond != none ? beyond : triangle_of(front.side[i]);
+      front.tip[i] = third_corner(mesh, front.beyond[i], front.vertex[i], front.vertex[i + 1]);
+    }
+    front.tips = both(see(front.tip[0]), see(front.tip[1]));
+    front.from_cross_tip = dovetail::cross(front.from, front.tips);
+    front.tip_cross_to = dovetail::cross(front.tips, front.to);
+    const filter::Bounded circle = filter::in_circle(front.from, front.to, front.tips, from_cross_to,
+                                                     front.from_cross_tip, front.tip_cross_to);
+    const auto inside = circle.value > circle.bound, decided = inside | (-circle.value > circle.bound);
+    for (std::size_t i = 0; i < 2; ++i) {
+      front.taken[i] = inside[i] != 0;
+      if (decided[i] == 0 && open[i]) [[unlikely]]
+        front.taken[i] = undecided(front.beyond[i]);
+      front.taken[i] &= open[i];
+    }
+  }
+
+  /// Takes the triangle beyond side I: its other two sides take the place of this one.
+  template <int I> void take(const Front &front, Front &next) const {
+    const LocalIndex triangle = front.beyond[I], from = front.vertex[I], to = front.vertex[I + 1];
+    cavity.triangles.push_back(triangle);
+    next.side[0] = side_across(mesh, triangle, to);
+    next.side[1] = side_across(mesh, triangle, from);
+    next.vertex[0] = from;
+    next.vertex[1] = front.tip[I];
+    next.vertex[2] = to;
+    next.from = both<I>(front.from, front.tips);
+    next.to = both<I>(front.tips, front.to);
+    next.edges = cavity.later.size();
+    look(next, both<I>(front.from_cross_tip, front.tip_cross_to));
+  }
+
+  /// Side I, if nothing beyond is taken.
+  template <int I> CavityEdge edge(const Front &front) const {
+    const bool hull = mesh.neighbours[position(front.side[I])] == none;
+    return {front.vertex[I], front.vertex[I + 1],
+            hull ? none : side_across(mesh, front.beyond[I], front.tip[I]), front.side[I]};
+  }
+
+  /// What is reached across the two sides of a front, and across all that waits. Both are overwritten: they
+  /// take turns, so that no front is copied.
+  void search(Front &one, Front &other) const {
+    Front *front = &one, *next = &other;
     for (;;) {
-      const LocalIndex beyond = mesh.neighbours[position(front.side)];
-      if (is_locked(front.side) || beyond == none) [[unlikely]] {
-        cavity.edges.push_back({front.from, front.to, twin(mesh, front.side), front.side});
-      } else {
-        const HalfEdge h = half_edge_towards(mesh, beyond, triangle_of(front.side));
-        const LocalIndex tip = apex(mesh, h);
-        const Seen tip_seen = see(tip);
-        const double to_tip = dovetail::cross(front.from_seen, tip_seen);
-        const double from_tip = dovetail::cross(tip_seen, front.to_seen);
-        Sign sign =
-            filter::in_circle(front.from_seen, front.to_seen, tip_seen, front.cross, to_tip, from_tip);
-        if (sign == Sign::zero) [[unlikely]]
-          sign = undecided(beyond);
-        if (sign == Sign::positive) {
-          cavity.triangles.push_back(beyond);
-          cavity.fronts.push_back({before(h), tip, front.to, tip_seen, front.to_seen, from_tip});
-          front.side = after(h);
-          front.to = tip;
-          front.to_seen = tip_seen;
-          front.cross = to_tip;
-          continue;
-        }
-        cavity.edges.push_back({front.from, front.to, h, front.side});
+      if (front->taken[0]) {
+        take<0>(*front, *next);
+        if (front->taken[1])
+          take<1>(*front, cavity.fronts.emplace_back());
+        else
+          cavity.later.push_back(edge<1>(*front));
+        std::swap(front, next);
+        continue;
       }
+      cavity.edges.push_back(edge<0>(*front));
+      if (front->taken[1]) {
+        take<1>(*front, *next);
+        std::swap(front, next);
+        continue;
+      }
+      cavity.edges.push_back(edge<1>(*front));
+      const std::size_t edges = cavity.fronts.empty() ? 0 : cavity.fronts.back().edges;
+      for (; cavity.later.size() > edges; cavity.later.pop_back())
+        cavity.edges.push_back(cavity.later.back());
       if (cavity.fronts.empty())
         return;
-      front = cavity.fronts.back();
+      *front = cavity.fronts.back();
       cavity.fronts.pop_back();
     }
+  }
+
+  /// The sides from a to b and from b to c of a triangle of the cavity.
+  void begin(Front &front, HalfEdge ab, HalfEdge bc, LocalIndex a, LocalIndex b, LocalIndex c) const {
+    front.side[0] = ab;
+    front.side[1] = bc;
+    front.vertex[0] = a;
+    front.vertex[1] = b;
+    front.vertex[2] = c;
+    const Pair b_seen = see(b);
+    front.from = both(see(a), b_seen);
+    front.to = both(b_seen, see(c));
+    front.edges = 0;
+    look(front, dovetail::cross(front.from, front.to));
   }
 
   /// Takes the triangle of h, and what is reached across its other two sides.
   void take(HalfEdge h) const {
     cavity.triangles.push_back(triangle_of(h));
-    const LocalIndex from = target(mesh, h), tip = apex(mesh, h), to = origin(mesh, h);
-    const Seen tip_seen = see(tip);
-    cavity.fronts.push_back(front(before(h), tip, to, tip_seen, see(to)));
-    cross(front(after(h), from, tip, see(from), tip_seen));
+    Front first, memory;
+    begin(first, after(h), before(h), target(mesh, h), apex(mesh, h), origin(mesh, h));
+    search(first, memory);
   }
 
   void from_inside(LocalIndex triangle) const {
@@ -145,10 +203,14 @@ template <class Locked> struct Search {
     const HalfEdge h = half_edge(triangle, 0);
     const LocalIndex *corner = &mesh.corners[position(h)];
     const LocalIndex a = corner[0], b = corner[1], c = corner[2];
-    const Seen a_seen = see(a), b_seen = see(b), c_seen = see(c);
-    cavity.fronts.push_back(front(h + 2, a, b, a_seen, b_seen));
-    cavity.fronts.push_back(front(h + 1, c, a, c_seen, a_seen));
-    cross(front(h, b, c, b_seen, c_seen));
+    Front first, last;
+    begin(first, h, h + 1, b, c, a);
+    begin(last, h + 2, h, a, b, c); // of which only the first side is wanted
+    if (last.taken[0])
+      take<0>(last, cavity.fronts.emplace_back());
+    else
+      cavity.later.push_back(edge<0>(last));
+    search(first, last);
   }
 
   void from_edge(HalfEdge edge) const {
@@ -197,6 +259,7 @@ void find_cavity(std::span<const Point> sites, const Triangulation &mesh, Point 
                  Cavity &found, const Locked &locked = {}) {
   found.triangles.clear();
   found.edges.clear();
+  found.later.clear();
   found.fronts.clear(); // not empty if `locked` has thrown
   found.split = none;
   found.closed = true;

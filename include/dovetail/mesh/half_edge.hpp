@@ -46,6 +46,20 @@ inline HalfEdge half_edge_towards(const Triangulation &mesh, LocalIndex triangle
                    static_cast<int>(beyond[1] == neighbour) + 2 * static_cast<int>(beyond[2] == neighbour));
 }
 
+/// The corner of a triangle that is neither a nor b, which must be the other two: exclusive or is its own
+/// inverse, so no comparison is needed.
+inline LocalIndex third_corner(const Triangulation &mesh, LocalIndex triangle, LocalIndex a, LocalIndex b) {
+  const LocalIndex *corner = &mesh.corners[position(half_edge(triangle, 0))];
+  return corner[0] ^ corner[1] ^ corner[2] ^ a ^ b;
+}
+
+/// The side of a triangle across from one of its corners; no branch here either.
+inline HalfEdge side_across(const Triangulation &mesh, LocalIndex triangle, LocalIndex vertex) {
+  const LocalIndex *corner = &mesh.corners[position(half_edge(triangle, 0))];
+  return half_edge(triangle,
+                   static_cast<int>(corner[1] == vertex) + 2 * static_cast<int>(corner[2] == vertex));
+}
+
 /// `none` on the hull.
 inline HalfEdge twin(const Triangulation &mesh, HalfEdge h) {
   const LocalIndex beyond = mesh.neighbours[position(h)];

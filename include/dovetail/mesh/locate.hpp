@@ -20,8 +20,10 @@
 #include "dovetail/mesh/half_edge.hpp"
 
 #include <cassert>
+#include <cmath>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 namespace dovetail {
 
@@ -51,9 +53,7 @@ template <class Locked> struct Walk {
   int entered = none;       ///< a side of `triangle` that has the point inside, strictly: the one crossed
   std::uint32_t chance = 1; ///< its highest bit decides
 
-  Seen see(HalfEdge corner) const {
-    return dovetail::see(sites[position(mesh.corners[position(corner)])], point);
-  }
+  Pair see(LocalIndex vertex) const { return dovetail::see(sites[position(vertex)], point); }
 
   void cross(int side) {
     const LocalIndex ahead = mesh.neighbours[position(half_edge(triangle, side))];
@@ -100,33 +100,54 @@ template <class Locked> struct Walk {
     return false;
   }
 
+  /// Leaves it to `step` to go on; `end` are those of the side that was crossed last.
+  bool stop(const LocalIndex (&end)[2]) {
+    const LocalIndex tip = third_corner(mesh, triangle, end[0], end[1]);
+    entered = side_across(mesh, triangle, tip) - half_edge(triangle, 0);
+    return false;
+  }
+
   /// As many steps as the filter decides and nothing bars: each looks at one new corner. Returns true if the
   /// point is inside the triangle at which it ends; otherwise it is for `step` to go on.
   bool stride() {
-    const int known = entered == none ? 0 : entered;
-    const HalfEdge base = half_edge(triangle, 0);
-    // Where `entered` ends and begins: the other two sides go from ends[0] to the apex and on to ends[1].
-    Seen ends[2] = {see(base + side_before(known)), see(base + side_after(known))};
-    if (entered == none)
-      if (const filter::Bounded inside = filter::turn(ends[1], ends[0]); !(inside.value > inside.bound))
+    const HalfEdge h = half_edge(triangle, entered == none ? 0 : entered);
+    // Where h ends and begins: the other two sides go from end[0] to the tip and on to end[1].
+    LocalIndex end[2] = {target(mesh, h), origin(mesh, h)};
+    Pair seen[2] = {see(end[0]), see(end[1])};
+    if (entered == none) {
+      const filter::Bounded turn = filter::turn(both(seen[1], seen[1]), both(seen[0], seen[0]));
+      if (!(std::fabs(turn.value[0]) > turn.bound[0]))
         return false;
-    entered = known;
-    for (; steps_left > 0; --steps_left) {
-      const Seen tip = see(half_edge(triangle, entered));
-      const filter::Bounded left = filter::turn(ends[0], tip), right = filter::turn(tip, ends[1]);
-      if (!left.is_decided() || !right.is_decided())
-        return false;
-      // Which of the two sides is as good as random: no branch on it.
-      const bool beyond_left = left.value < 0;
-      if (!(beyond_left | (right.value < 0)))
-        return true;
-      const int side = beyond_left ? side_after(entered) : side_before(entered);
-      if (mesh.neighbours[position(half_edge(triangle, side))] == none || locked(triangle, side))
-        return false;
-      cross(side);
-      ends[static_cast<std::size_t>(beyond_left)] = tip;
+      if (turn.value[0] < 0) { // h has the point beyond
+        const LocalIndex ahead = mesh.neighbours[position(h)];
+        if (ahead == none || locked(triangle, 0))
+          return false;
+        triangle = ahead;
+        std::swap(end[0], end[1]);
+        std::swap(seen[0], seen[1]);
+      }
     }
-    return false;
+    for (; steps_left > 0; --steps_left) {
+      const LocalIndex tip = third_corner(mesh, triangle, end[0], end[1]);
+      const Pair tip_seen = see(tip);
+      const filter::Bounded turn = filter::turn(both(seen[0], seen[1]), both(tip_seen, tip_seen));
+      const auto decided = absolute(turn.value) > turn.bound;
+      if ((decided[0] & decided[1]) == 0)
+        return stop(end);
+      // Which of the two sides has the point beyond is as good as random: no branch on it.
+      const auto first = static_cast<std::size_t>(std::signbit(turn.value[0]));
+      const auto second = 1 - static_cast<std::size_t>(std::signbit(turn.value[1]));
+      if (first + second == 0)
+        return true;
+      const HalfEdge side = side_across(mesh, triangle, end[first]);
+      const LocalIndex ahead = mesh.neighbours[position(side)];
+      if (ahead == none || locked(triangle, side - half_edge(triangle, 0)))
+        return stop(end);
+      triangle = ahead;
+      end[first] = tip;
+      seen[first] = tip_seen;
+    }
+    return stop(end);
   }
 };
 
