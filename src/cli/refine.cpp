@@ -313,9 +313,8 @@ void add_refine_options(CLI::App &parser, RefineCommand &command) {
       ->check(CLI::PositiveNumber)
       ->option_text("AREA");
   parser
-      .add_option(
-          "--growth", options.growth,
-          "Size field: edges as long as those of the boundary, and this much longer a unit away from it")
+      .add_option("--growth", options.growth,
+                  "Size field: edges as long as the boundary's, plus this per unit of distance")
       ->check(CLI::PositiveNumber)
       ->option_text("RATE");
   parser.add_option("--min-edge", options.min_edge, "No new point nearer than this to another")
