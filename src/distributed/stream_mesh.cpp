@@ -38,13 +38,17 @@ std::vector<SlabSizes> sizes_of_own_slabs(const Region &region) {
   return sizes;
 }
 
+/// With its memory, which clear() and an assignment of {} keep.
+template <class Value> void give_up(std::vector<Value> &values) { std::vector<Value>().swap(values); }
+
 /// What is kept of a slab that has been handed on.
 SlabMesh border_of(SlabMesh &&slab) {
-  slab.vertices.points = {};
-  slab.vertices.input_index = {};
+  give_up(slab.vertices.points);
+  give_up(slab.vertices.input_index);
   for (Attribute &attribute : slab.vertices.attributes)
-    attribute.values = {};
-  slab.triangles = {};
+    give_up(attribute.values);
+  give_up(slab.triangles.corners);
+  give_up(slab.triangles.neighbours);
   slab.ghost_number.shrink_to_fit();
   return std::move(slab);
 }

@@ -102,6 +102,15 @@ class Memory(harness.TestCase):
             self.assertLess(report["peak_rss_max_bytes"], memory * MIB + program / 2, report["run"])
         (self.folder / "peak.vtkhdf").unlink()
 
+    def test_slabs_leave_only_their_borders(self):
+        peaks = []
+        for slabs in (4, 20):  # of one size
+            path = self.generated("uniform", 100_000 * slabs)
+            report = self.on_disk(path, "-o", self.folder / "left.vtkhdf", "--memory", "48MiB", "--slabs", slabs)
+            peaks.append(report["peak_rss_max_bytes"])
+        (self.folder / "left.vtkhdf").unlink()
+        self.assertLess(peaks[1] - peaks[0], 1_600_000 * 10, peaks)  # sites and triangles have 72 bytes a site
+
     def test_peak_falls_as_slabs_rise(self):
         path = self.generated("uniform", 600_000, "f64")
         peaks = [
