@@ -104,7 +104,7 @@ OutputFile::OutputFile(const Communicator &comm, std::string path)
     Ledger &files = ledger();
     const std::lock_guard lock(files.mutex);
     files.aside.push_back(aside_);
-    descriptor_ = ::open(aside_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, readable_and_writable);
+    descriptor_ = ::open(aside_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, readable_and_writable);
     if (descriptor_ < 0) {
       const int error_number = errno;
       files.aside.pop_back();
@@ -126,7 +126,7 @@ OutputFile::~OutputFile() {
 void OutputFile::open() {
   if (descriptor_ >= 0)
     return;
-  descriptor_ = ::open(aside_.c_str(), O_WRONLY | O_CLOEXEC);
+  descriptor_ = ::open(aside_.c_str(), O_RDWR | O_CLOEXEC);
   if (descriptor_ < 0)
     fail(path_, "cannot be written by every rank", errno);
 }
@@ -154,6 +154,19 @@ void OutputFile::write_at(std::int64_t offset, std::span<const std::byte> bytes)
     bytes = bytes.subspan(static_cast<std::size_t>(count));
     if (count_ != nullptr)
       count_->add(static_cast<double>(count));
+  }
+}
+
+void OutputFile::read_at(std::int64_t offset, std::span<std::byte> bytes) {
+  open();
+  while (!bytes.empty()) {
+    const ssize_t count = ::pread(descriptor_, bytes.data(), bytes.size(), offset);
+    if (count < 0 && errno == EINTR)
+      continue;
+    if (count <= 0)
+      fail(path_, "cannot be read again while it is written", count < 0 ? errno : EIO);
+    offset += count;
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
   }
 }
 

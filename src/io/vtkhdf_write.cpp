@@ -249,6 +249,27 @@ void MeshFile::take(int slab, const SlabMesh &mesh, std::span<const Duplicate> d
   write_duplicates(columns(), duplicates, extents_.duplicates[at(slab)], has_z_);
 }
 
+/// The border sides of a slab, ascending, among neighbours that stay; `begin` is where those of the slab are.
+/// They are all over it: where they lie closely a stretch of neighbours is read, completed and written again,
+/// since as many small writes take longer than everything else.
+void complete_neighbours(OutputFile &file, std::int64_t begin, std::span<const BorderSide> sides) {
+  constexpr LocalIndex longest = LocalIndex{1} << 17, widest_gap = LocalIndex{1} << 12;
+  std::vector<GlobalIndex> stretch;
+  for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
+    const LocalIndex first = sides[i].side;
+    for (end = i + 1; end < sides.size() && sides[end].side - sides[end - 1].side <= widest_gap &&
+                      sides[end].side - first < longest;)
+      ++end;
+    stretch.resize(at(sides[end - 1].side - first) + 1);
+    const std::int64_t place = begin + first * static_cast<std::int64_t>(sizeof(GlobalIndex));
+    if (stretch.size() > end - i) // something lies between them
+      file.read_at(place, std::as_writable_bytes(std::span(stretch)));
+    for (const BorderSide &side : sides.subspan(i, end - i))
+      stretch[at(side.side - first)] = side.neighbour;
+    file.write_at(place, std::as_bytes(std::span(stretch)));
+  }
+}
+
 void MeshFile::complete(int slab, const SlabMesh &border) {
   const GlobalIndex first_ghost = extents_.vertices[at(slab)] + border.own_count;
   columns().write(vtkhdf::input_index, first_ghost, border.vertices.input_index);
@@ -258,8 +279,9 @@ void MeshFile::complete(int slab, const SlabMesh &border) {
     else
       columns().write(vtkhdf::dataset_of_attribute(attribute.name), first_ghost, attribute.values);
   const GlobalIndex first_side = 3 * extents_.triangles[at(slab)];
-  for (const BorderSide &side : border.border_sides)
-    columns().write(vtkhdf::neighbours, first_side + side.side, std::vector{side.neighbour});
+  complete_neighbours(
+      *file_, places_.at(vtkhdf::neighbours) + first_side * static_cast<std::int64_t>(sizeof(GlobalIndex)),
+      border.border_sides);
 }
 
 void MeshFile::finish(std::uint64_t checksum, GlobalIndex hull_edges) {

@@ -49,6 +49,8 @@ public:
   /// system can do that, waits while the disk is far behind: memory does not fill with what the disk has yet
   /// to take, and the sync at the end is a short one.
   void write_at(std::int64_t offset, std::span<const std::byte> bytes);
+  /// Local. What this rank has written there.
+  void read_at(std::int64_t offset, std::span<std::byte> bytes);
   /// Local. From now on write_at adds its bytes to this, which must outlive the writing; null for nobody.
   void count_into(ProgressCount *count) { count_ = count; }
 
