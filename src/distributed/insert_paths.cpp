@@ -208,7 +208,7 @@ PathUpdate update_paths(const Communicator &comm, const Placement &placement, Di
     renumber_ghosts(sites, mesh);
     return old_left_paths(sites, mesh);
   });
-  Path old_last = path_from_next_rank(comm, mesh, old_left);
+  const Path old_last = path_from_next_rank(comm, mesh, old_left);
 
   Region region = new_paths(comm, mesh, candidates_of(comm, mesh, placement, known));
   PathUpdate update;
@@ -217,7 +217,7 @@ PathUpdate update_paths(const Communicator &comm, const Placement &placement, Di
     for (std::size_t k = 0; k < mesh.slabs.size(); ++k) {
       const bool last = k + 1 == mesh.slabs.size();
       update.slabs.push_back(
-          {old_left[k], last ? std::move(old_last) : old_left[k + 1], region.paths[k], region.paths[k + 1]});
+          {old_left[k], last ? old_last : old_left[k + 1], region.paths[k], region.paths[k + 1]});
     }
   });
   return update;

@@ -49,6 +49,7 @@ struct FirstSite {
 Borders borders_of(const Communicator &comm, const DistributedMesh &mesh) {
   const auto own = collectively(comm, [&] {
     std::vector<FirstSite> firsts;
+    firsts.reserve(mesh.slabs.size());
     for (const SlabMesh &slab : mesh.slabs)
       firsts.push_back(slab.own_count > 0 ? FirstSite{slab.vertices.points.front(), 1}
                                           : FirstSite{{0, 0}, 0});

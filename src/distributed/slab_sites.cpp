@@ -16,7 +16,7 @@ struct SiteRange {
 };
 
 SiteRange range_of_slab(const Slabs &slabs, int k) {
-  const auto s = static_cast<std::size_t>(slabs.first_slab + k);
+  const auto s = static_cast<std::size_t>(slabs.first_slab) + static_cast<std::size_t>(k);
   return {slabs.site_offsets[s], slabs.site_offsets[s + 1]};
 }
 

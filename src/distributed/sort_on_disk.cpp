@@ -105,7 +105,10 @@ void spread(const Communicator &comm, PointStream &points, const Splitters &spli
   bool more = true;
   while (any_of_ranks(comm, more || !box.is_empty())) {
     const auto letters = collectively(comm, purpose_text, [&] {
-      if (box.is_empty() && (more = more && points.next(room.chunk_rows, table))) {
+      const bool reads = more && box.is_empty();
+      if (reads)
+        more = points.next(room.chunk_rows, table);
+      if (reads && more) {
         const std::vector<double> *z = heights_of(table);
         for (std::size_t i = 0; i < table.points.size(); ++i)
           digest.hash += digest_of_point(table.points[i], z != nullptr ? (*z)[i] : 0.0, table.input_index[i]);

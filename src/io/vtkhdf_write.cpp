@@ -219,7 +219,7 @@ private:
   std::string path_;
   MeshWriting writing_;
   const Communicator *comm_ = nullptr;
-  std::optional<OutputFile> file_;
+  std::unique_ptr<OutputFile> file_; ///< from begin() on
   std::optional<ProgressCount> count_;
   std::map<std::string, std::int64_t> places_; ///< of the columns, in bytes
   vtkhdf::Extents extents_;
@@ -231,7 +231,7 @@ void MeshFile::begin(const Communicator &comm, const MeshOutline &outline) {
   extents_ = extents_of(outline);
   const std::vector<std::string> &names = outline.attribute_names;
   has_z_ = std::find(names.begin(), names.end(), vtkhdf::z_attribute) != names.end();
-  file_.emplace(comm, path_);
+  file_ = std::make_unique<OutputFile>(comm, path_);
   vtkhdf::Skeleton skeleton = collectively(comm, [&] {
     return comm.is_root() ? prepare(*file_, outline.mesh, extents_, names) : vtkhdf::Skeleton{};
   });
