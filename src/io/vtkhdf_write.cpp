@@ -109,12 +109,27 @@ public:
              });
   }
 
-  /// Writes number `column` of each of the rows from `first` on, of `width` numbers each.
-  void write_number_of_rows(const std::string &name, GlobalIndex first, int width, int column,
-                            const std::vector<double> &values) const {
-    for (std::size_t i = 0; i < values.size(); ++i)
-      write<double>(name, (first + static_cast<GlobalIndex>(i)) * width + column, 1, 1,
-                    [&](std::int64_t, std::int64_t, double *out) { *out = values[i]; });
+  /// Sets numbers of a column among others that were written and stay: number place(i), counted from `first`
+  /// and ascending, to value(i). Where they lie closely a stretch is read, changed and written again: as many
+  /// small writes take longer than everything else.
+  template <class T, class Place, class Value>
+  void set(const std::string &name, GlobalIndex first, std::size_t count, Place &&place,
+           Value &&value) const {
+    constexpr GlobalIndex longest = GlobalIndex{1} << 17, widest_gap = GlobalIndex{1} << 12;
+    std::vector<T> stretch;
+    for (std::size_t i = 0, end = 0; i < count; i = end) {
+      const GlobalIndex begin = place(i);
+      for (end = i + 1;
+           end < count && place(end) - place(end - 1) <= widest_gap && place(end) - begin < longest;)
+        ++end;
+      stretch.resize(at(place(end - 1) - begin) + 1);
+      const std::int64_t offset = places_.at(name) + (first + begin) * static_cast<std::int64_t>(sizeof(T));
+      if (stretch.size() > end - i) // something lies between them
+        file_.read_at(offset, std::as_writable_bytes(std::span(stretch)));
+      for (; i < end; ++i)
+        stretch[at(place(i) - begin)] = value(i);
+      file_.write_at(offset, std::as_bytes(std::span(stretch)));
+    }
   }
 
 private:
@@ -249,39 +264,22 @@ void MeshFile::take(int slab, const SlabMesh &mesh, std::span<const Duplicate> d
   write_duplicates(columns(), duplicates, extents_.duplicates[at(slab)], has_z_);
 }
 
-/// The border sides of a slab, ascending, among neighbours that stay; `begin` is where those of the slab are.
-/// They are all over it: where they lie closely a stretch of neighbours is read, completed and written again,
-/// since as many small writes take longer than everything else.
-void complete_neighbours(OutputFile &file, std::int64_t begin, std::span<const BorderSide> sides) {
-  constexpr LocalIndex longest = LocalIndex{1} << 17, widest_gap = LocalIndex{1} << 12;
-  std::vector<GlobalIndex> stretch;
-  for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
-    const LocalIndex first = sides[i].side;
-    for (end = i + 1; end < sides.size() && sides[end].side - sides[end - 1].side <= widest_gap &&
-                      sides[end].side - first < longest;)
-      ++end;
-    stretch.resize(at(sides[end - 1].side - first) + 1);
-    const std::int64_t place = begin + first * static_cast<std::int64_t>(sizeof(GlobalIndex));
-    if (stretch.size() > end - i) // something lies between them
-      file.read_at(place, std::as_writable_bytes(std::span(stretch)));
-    for (const BorderSide &side : sides.subspan(i, end - i))
-      stretch[at(side.side - first)] = side.neighbour;
-    file.write_at(place, std::as_bytes(std::span(stretch)));
-  }
-}
-
 void MeshFile::complete(int slab, const SlabMesh &border) {
   const GlobalIndex first_ghost = extents_.vertices[at(slab)] + border.own_count;
   columns().write(vtkhdf::input_index, first_ghost, border.vertices.input_index);
   for (const Attribute &attribute : border.vertices.attributes)
     if (attribute.name == vtkhdf::z_attribute)
-      columns().write_number_of_rows(vtkhdf::points, first_ghost, 3, 2, attribute.values);
+      columns().set<double>(
+          vtkhdf::points, 3 * first_ghost + 2, attribute.values.size(),
+          [](std::size_t i) { return 3 * static_cast<GlobalIndex>(i); },
+          [&](std::size_t i) { return attribute.values[i]; });
     else
       columns().write(vtkhdf::dataset_of_attribute(attribute.name), first_ghost, attribute.values);
-  const GlobalIndex first_side = 3 * extents_.triangles[at(slab)];
-  complete_neighbours(
-      *file_, places_.at(vtkhdf::neighbours) + first_side * static_cast<std::int64_t>(sizeof(GlobalIndex)),
-      border.border_sides);
+  const std::vector<BorderSide> &sides = border.border_sides;
+  columns().set<GlobalIndex>(
+      vtkhdf::neighbours, 3 * extents_.triangles[at(slab)], sides.size(),
+      [&](std::size_t i) { return GlobalIndex{sides[i].side}; },
+      [&](std::size_t i) { return sides[i].neighbour; });
 }
 
 void MeshFile::finish(std::uint64_t checksum, GlobalIndex hull_edges) {
