@@ -7,6 +7,7 @@
 #include "point_sketch.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <utility>
 
 namespace dovetail {
@@ -34,12 +35,33 @@ Axis choose_axis(std::vector<Point> sample) {
   return 2 * along_y <= quartile_path_sites(std::move(sample), Axis::x) && along_y > 0 ? Axis::y : Axis::x;
 }
 
-std::vector<Point> sample_of_all(const Communicator &comm, PointSketch sketch) {
-  const auto purpose = [] { return "a sample of the points"; };
-  // In each round every second of the ranks that are left gives its sketch to the one before and is done.
+namespace {
+
+const char *purpose_text() { return "a sample of the points"; }
+
+/// A hash up to which the sketches have `wanted` points together and hardly more; the largest if they have
+/// fewer.
+std::uint64_t limit_for(const Communicator &comm, PointSketch &sketch, GlobalIndex wanted) {
+  std::uint64_t low = 0, high = ~std::uint64_t{0}; // up to low there are too few
+  GlobalIndex count = all_reduce_sum(comm, sketch.count_up_to(high));
+  while (count > wanted + wanted / 8 && high - low > 1) {
+    const std::uint64_t middle = low + (high - low) / 2;
+    const GlobalIndex to_middle = all_reduce_sum(comm, sketch.count_up_to(middle));
+    if (to_middle < wanted) {
+      low = middle;
+    } else {
+      high = middle;
+      count = to_middle;
+    }
+  }
+  return high;
+}
+
+/// In each round every second of the ranks that are left gives its sketch to the one before and is done.
+PointSketch united_at_root(const Communicator &comm, PointSketch sketch) {
   for (int step = 1; step < comm.size(); step *= 2) {
     std::vector<Point> given;
-    const auto letters = collectively(comm, purpose, [&] {
+    const auto letters = collectively(comm, purpose_text, [&] {
       std::vector<Outgoing<Point>> result;
       if (comm.rank() % (2 * step) == step) {
         given = sketch.points();
@@ -48,26 +70,45 @@ std::vector<Point> sample_of_all(const Communicator &comm, PointSketch sketch) {
       return result;
     });
     const auto arrived = sparse_exchange<Point>(comm, letters);
-    collectively(comm, purpose, [&] {
+    collectively(comm, purpose_text, [&] {
       for (const Incoming<Point> &letter : arrived)
         sketch.add(letter.data);
     });
   }
-  std::vector<Point> sample =
-      collectively(comm, purpose, [&] { return comm.is_root() ? sketch.points() : std::vector<Point>(); });
+  return sketch;
+}
+
+} // namespace
+
+std::vector<Point> sample_at_root(const Communicator &comm, PointSketch sketch) {
+  // One rank of many has a small part of the sample and need not send more, but for points that others have
+  // too.
+  for (auto wanted = static_cast<GlobalIndex>(sketch.size());; wanted *= 2) {
+    const std::uint64_t limit = limit_for(comm, sketch, wanted);
+    PointSketch all =
+        united_at_root(comm, collectively(comm, purpose_text, [&] { return sketch.up_to(limit); }));
+    std::vector<Point> sample = collectively(
+        comm, purpose_text, [&] { return comm.is_root() ? all.points() : std::vector<Point>(); });
+    if (any_of_ranks(comm, sample.size() == sketch.size()) || limit == ~std::uint64_t{0})
+      return sample;
+  }
+}
+
+std::vector<Point> sample_of_all(const Communicator &comm, PointSketch sketch) {
+  std::vector<Point> sample = sample_at_root(comm, std::move(sketch));
   broadcast_bulk(comm, sample);
   return sample;
 }
 
 Axis choose_axis(const Communicator &comm, std::span<const Point> points) {
-  const auto purpose = [] { return "a sample of the points"; };
-  std::vector<Point> sample = sample_of_all(comm, collectively(comm, purpose, [&] {
-                                              PointSketch sketch(axis_sample_size);
-                                              sketch.add(points);
-                                              return sketch;
-                                            }));
-  int axis = collectively(
-      comm, purpose, [&] { return comm.is_root() ? static_cast<int>(choose_axis(std::move(sample))) : 0; });
+  std::vector<Point> sample = sample_at_root(comm, collectively(comm, purpose_text, [&] {
+                                               PointSketch sketch(axis_sample_size);
+                                               sketch.add(points);
+                                               return sketch;
+                                             }));
+  int axis = collectively(comm, purpose_text, [&] {
+    return comm.is_root() ? static_cast<int>(choose_axis(std::move(sample))) : 0;
+  });
   broadcast(comm, axis);
   return static_cast<Axis>(axis);
 }

@@ -20,7 +20,11 @@ Axis choose_axis(std::vector<Point> sample);
 /// Collective. The same of the points of all ranks: a function of their set.
 Axis choose_axis(const Communicator &comm, std::span<const Point> points);
 
-/// Collective. The sketches of all ranks as one, on every rank. log2(ranks) messages.
+/// Collective. The sketches of all ranks as one, on the root; elsewhere nothing. O(log ranks) messages, of a
+/// sketch's points in all where ranks have few points in common.
+std::vector<Point> sample_at_root(const Communicator &comm, PointSketch sketch);
+
+/// The same on every rank.
 std::vector<Point> sample_of_all(const Communicator &comm, PointSketch sketch);
 
 /// Local. Sites on the paths of the quartile lines together. The sites must be distinct.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <tuple>
+#include <utility>
 
 namespace dovetail {
 namespace {
@@ -22,12 +23,15 @@ void PointSketch::add(std::span<const Point> points) {
     if (hash > limit_)
       continue;
     entries_.push_back({hash, point});
+    is_shrunk_ = false;
     if (entries_.size() >= 4 * size_)
       shrink();
   }
 }
 
 void PointSketch::shrink() {
+  if (std::exchange(is_shrunk_, true))
+    return;
   const auto key = [](const Entry &e) { return std::tuple(e.hash, e.point.x, e.point.y); };
   std::ranges::sort(entries_, {}, key);
   const auto same = [](const Entry &a, const Entry &b) { return a.point == b.point; };
@@ -44,6 +48,17 @@ std::vector<Point> PointSketch::points() {
   result.reserve(entries_.size());
   for (const Entry &entry : entries_)
     result.push_back(entry.point);
+  return result;
+}
+
+std::int64_t PointSketch::count_up_to(std::uint64_t limit) {
+  shrink();
+  return std::ranges::upper_bound(entries_, limit, {}, &Entry::hash) - entries_.begin();
+}
+
+PointSketch PointSketch::up_to(std::uint64_t limit) {
+  PointSketch result(size_);
+  result.entries_.assign(entries_.begin(), entries_.begin() + count_up_to(limit));
   return result;
 }
 

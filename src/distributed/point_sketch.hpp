@@ -23,6 +23,10 @@ public:
   void add(std::span<const Point> points);
   /// By ascending hash.
   std::vector<Point> points();
+  std::size_t size() const { return size_; }
+  /// Those of its points that have a hash up to `limit`: how many, and as a sketch.
+  std::int64_t count_up_to(std::uint64_t limit);
+  PointSketch up_to(std::uint64_t limit);
 
 private:
   struct Entry {
@@ -34,6 +38,7 @@ private:
   std::size_t size_;
   std::uint64_t limit_ = ~std::uint64_t{0}; ///< nothing of a larger hash can be in the sketch
   std::vector<Entry> entries_;              ///< those of the sketch among them
+  bool is_shrunk_ = true;                   ///< no others
 };
 
 } // namespace dovetail

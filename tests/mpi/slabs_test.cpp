@@ -1,3 +1,4 @@
+#include "distributed/choose_axis.hpp"
 #include "dovetail/comm/agreement.hpp"
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/distributed/slabs.hpp"
@@ -320,6 +321,30 @@ std::size_t path_sites(const std::vector<Point> &points, Axis axis) {
     length += split_path(std::move(all), {across(sites[s * sites.size() / 7], axis), axis}).size();
   }
   return length;
+}
+
+TEST(Slabs, SampleFollowsTheSetAndNotTheRanks) {
+  const Communicator comm = world();
+  for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{90}, std::size_t{5'000}}) {
+    std::vector<Point> points(count);
+    generate_points({Distribution::uniform, std::ssize(points), 4}, 0, points);
+    const auto sample_of = [&](std::span<const Point> own) {
+      PointSketch sketch(100);
+      sketch.add(own);
+      return sample_of_all(comm, std::move(sketch));
+    };
+    PointSketch whole(100);
+    whole.add(points);
+    const std::vector<Point> expected = whole.points();
+    EXPECT_EQ(expected.size(), std::min<std::size_t>(count, 100));
+    EXPECT_EQ(sample_of(points), expected) << "every rank has all points";
+    EXPECT_EQ(sample_of(comm.rank() + 1 == comm.size() ? points : std::vector<Point>()), expected)
+        << "one has";
+    for (const Spread &spread : spreads) {
+      const PointTable part = part_of(points, spread, comm.rank(), comm.size(), false);
+      EXPECT_EQ(sample_of(part.points), expected);
+    }
+  }
 }
 
 TEST(Slabs, AxisFollowsThePathsAndNotTheRanks) {
