@@ -101,31 +101,15 @@ Outcome run_phases(const InsertCommand &command, const Communicator &comm) {
 }
 
 Report report_of(const InsertCommand &command, const Session &session, const Outcome &outcome) {
-  const DistributedMesh &mesh = outcome.mesh;
-  const MeshStatistics &statistics = mesh.statistics;
   Report report = new_report(session, "insert", command.inputs());
   if (command.writes())
     report["output"] = command.output;
-  report["slabs"] = mesh.slab_count();
-  report["axis"] = axis_name(mesh.axis);
-  report["points"] = mesh.digest.points;
   report["withheld"] = outcome.input.withheld;
   report["other_class"] = outcome.input.other_class;
-  report["sites"] = mesh.site_count();
-  report["duplicates"] = mesh.digest.points - mesh.site_count();
-  report["triangles"] = mesh.triangle_count();
-  report["hull_edges"] = mesh.hull_edges;
-  report["checksum"] = checksum_text(mesh.checksum);
+  report_mesh(report, outcome.mesh);
   if (outcome.validation)
     report["valid"] = outcome.validation->valid;
   report["peak_rss_max_bytes"] = outcome.peak_rss_max_bytes;
-  report["own_sites_max"] = statistics.own_sites_max;
-  report["path_sites_max"] = statistics.path_sites_max;
-  report["candidate_sites_max"] = statistics.candidate_sites_max;
-  report["imbalance"] = statistics.slab_imbalance(mesh.site_count(), mesh.slab_count());
-  report["path_sites"] = statistics.path_sites;
-  report["longest_path"] = statistics.longest_path;
-  report["ghosts"] = statistics.ghosts;
   report["inserted_points"] = outcome.inserted.points;
   report["inserted_sites"] = outcome.inserted.sites;
   report["inserted_duplicates"] = outcome.inserted.duplicates;

@@ -2,6 +2,7 @@
 
 #include "output.hpp"
 #include "text.hpp"
+#include "verdict.hpp"
 #include "version.hpp"
 
 #include "dovetail/comm/collectives.hpp"
@@ -88,6 +89,25 @@ Report new_report(const Session &session, const std::string &subcommand,
                           "phases"})
     report[key] = nullptr;
   return report;
+}
+
+void report_mesh(Report &report, const DistributedMesh &mesh) {
+  const MeshStatistics &statistics = mesh.statistics;
+  report["slabs"] = mesh.slab_count();
+  report["axis"] = axis_name(mesh.axis);
+  report["points"] = mesh.digest.points;
+  report["sites"] = mesh.site_count();
+  report["duplicates"] = mesh.digest.points - mesh.site_count();
+  report["triangles"] = mesh.triangle_count();
+  report["hull_edges"] = mesh.hull_edges;
+  report["checksum"] = checksum_text(mesh.checksum);
+  report["own_sites_max"] = statistics.own_sites_max;
+  report["path_sites_max"] = statistics.path_sites_max;
+  report["candidate_sites_max"] = statistics.candidate_sites_max;
+  report["imbalance"] = statistics.slab_imbalance(mesh.site_count(), mesh.slab_count());
+  report["path_sites"] = statistics.path_sites;
+  report["longest_path"] = statistics.longest_path;
+  report["ghosts"] = statistics.ghosts;
 }
 
 Report phases_as_json(std::span<const std::string> names, std::span<const PhaseSummary> phases) {

@@ -4,6 +4,7 @@
 #include "command.hpp"
 
 #include "dovetail/comm/phases.hpp"
+#include "dovetail/distributed/mesh.hpp"
 #include "dovetail/mesh/histogram.hpp"
 
 #include <nlohmann/json.hpp>
@@ -19,6 +20,9 @@ using Report = nlohmann::ordered_json;
 /// A report with what is known before any work; every other value is null until it is set, and stays null
 /// where it does not apply.
 Report new_report(const Session &session, const std::string &subcommand, std::span<const std::string> inputs);
+
+/// What a mesh of points says of itself.
+void report_mesh(Report &report, const DistributedMesh &mesh);
 
 /// The phases in the order of `names`. A phase that was not run has null for every number; one that is not
 /// among the names follows at the end.

@@ -197,32 +197,16 @@ Report report_of_plan(const TriangulateCommand &command, const Session &session,
 }
 
 Report report_of(const TriangulateCommand &command, const Session &session, const Outcome &outcome) {
-  const DistributedMesh &mesh = outcome.mesh;
-  const MeshStatistics &statistics = mesh.statistics;
   Report report = new_report(session, "triangulate", command.inputs);
   if (command.writes())
     report["output"] = command.output;
-  report["slabs"] = mesh.slab_count();
-  report["axis"] = axis_name(mesh.axis);
   report["kernel"] = kernel_name(command.kernel);
-  report["points"] = outcome.input.read;
   report["withheld"] = outcome.input.withheld;
   report["other_class"] = outcome.input.other_class;
-  report["sites"] = mesh.site_count();
-  report["duplicates"] = outcome.input.read - mesh.site_count();
-  report["triangles"] = mesh.triangle_count();
-  report["hull_edges"] = mesh.hull_edges;
-  report["checksum"] = checksum_text(mesh.checksum);
+  report_mesh(report, outcome.mesh);
   if (outcome.validation)
     report["valid"] = outcome.validation->valid;
   report["peak_rss_max_bytes"] = outcome.peak_rss_max_bytes;
-  report["own_sites_max"] = statistics.own_sites_max;
-  report["path_sites_max"] = statistics.path_sites_max;
-  report["candidate_sites_max"] = statistics.candidate_sites_max;
-  report["imbalance"] = statistics.slab_imbalance(mesh.site_count(), mesh.slab_count());
-  report["path_sites"] = statistics.path_sites;
-  report["longest_path"] = statistics.longest_path;
-  report["ghosts"] = statistics.ghosts;
   if (outcome.split_trace)
     report["split_trace"] = split_trace_as_json(*outcome.split_trace);
   report["forecast"] = plan_as_json(outcome.plan);
