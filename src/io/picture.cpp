@@ -232,21 +232,19 @@ std::optional<Window> box_of(const Communicator &comm, const DistributedMesh &me
 }
 
 /// Throws what is wrong with a request, alike on all ranks.
-Window window_of(const std::optional<Window> &box, const PictureOptions &options) {
-  if (!box)
-    throw Error({ErrorKind::input, "the mesh", "", "has no sites, so there is nothing to draw", ""});
+Window window_of(const Window &box, const PictureOptions &options) {
   if (!options.window) {
-    const double across = (box->x1 - box->x0) / 100;
-    const double up = (box->y1 - box->y0) / 100;
-    return {box->x0 - across, box->y0 - up, box->x1 + across, box->y1 + up};
+    const double across = (box.x1 - box.x0) / 100;
+    const double up = (box.y1 - box.y0) / 100;
+    return {box.x0 - across, box.y0 - up, box.x1 + across, box.y1 + up};
   }
   const Window w = *options.window;
   const std::string subject = fmt::format("the window {},{},{},{}", w.x0, w.y0, w.x1, w.y1);
   if (!(w.x0 < w.x1) || !(w.y0 < w.y1) || !std::isfinite(w.x1 - w.x0) || !std::isfinite(w.y1 - w.y0))
     refuse(subject, "is empty", "give its lower left and its upper right corner: x0,y0,x1,y1");
-  if (w.x1 < box->x0 || w.x0 > box->x1 || w.y1 < box->y0 || w.y0 > box->y1)
+  if (w.x1 < box.x0 || w.x0 > box.x1 || w.y1 < box.y0 || w.y0 > box.y1)
     refuse(subject, "is beside the mesh",
-           fmt::format("choose one within x {} to {}, y {} to {}", box->x0, box->x1, box->y0, box->y1));
+           fmt::format("choose one within x {} to {}, y {} to {}", box.x0, box.x1, box.y0, box.y1));
   return w;
 }
 
@@ -394,7 +392,9 @@ void write_picture(const Communicator &comm, const DistributedMesh &mesh, const 
                                      [](const auto &slab) { return picture::z_of(slab) != nullptr; }));
   picture::check_options(mesh, path, extension == ".svg", has_z, options);
   const std::optional<Window> box = picture::box_of(comm, mesh);
-  const Window window = picture::window_of(box, options);
+  if (!box)
+    throw Error({ErrorKind::input, "the mesh", "", "has no sites, so there is nothing to draw", ""});
+  const Window window = picture::window_of(*box, options);
   picture::Meaning meaning = picture::meaning_of(comm, mesh, window, options);
   meaning.part = picture::part_text(options.window ? *options.window : *box);
   picture::Scene scene{mesh, options, picture::lay_out(meaning, window, options.width), meaning.scale, 1, {}};
