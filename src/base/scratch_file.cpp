@@ -15,6 +15,8 @@ namespace dovetail {
 namespace {
 
 constexpr mode_t for_the_owner = 0600;
+constexpr const char *more_room =
+    "let --scratch name a folder on a disk with more room, or give more --memory";
 
 /// Not every file system can make a file without a name. There it has one for an instant.
 int open_unnamed(const std::string &folder) {
@@ -35,7 +37,10 @@ int open_unnamed(const std::string &folder) {
 ScratchFile::ScratchFile(std::string folder)
     : folder_(std::move(folder)), descriptor_(open_unnamed(folder_)) {
   if (descriptor_ < 0)
-    fail("cannot be used for scratch", errno);
+    fail("cannot be used for scratch", errno,
+         errno == ENOSPC || errno == EDQUOT
+             ? more_room
+             : "let --scratch name a folder that is there and can be written to");
 }
 
 ScratchFile::ScratchFile(ScratchFile &&other) noexcept
@@ -47,9 +52,9 @@ ScratchFile::~ScratchFile() {
     ::close(descriptor_);
 }
 
-void ScratchFile::fail(const char *what, int error_number) const {
-  throw Error({ErrorKind::output, folder_, "", std::string(what) + " (" + std::strerror(error_number) + ")",
-               "let --scratch name a folder on a disk with more room, or give more --memory"});
+void ScratchFile::fail(const char *what, int error_number, const char *remedy) const {
+  throw Error(
+      {ErrorKind::output, folder_, "", std::string(what) + " (" + std::strerror(error_number) + ")", remedy});
 }
 
 std::int64_t ScratchFile::append(std::span<const std::byte> data) {
@@ -59,7 +64,7 @@ std::int64_t ScratchFile::append(std::span<const std::byte> data) {
     if (count < 0 && errno == EINTR)
       continue;
     if (count <= 0)
-      fail("cannot take more scratch", count < 0 ? errno : ENOSPC);
+      fail("cannot take more scratch", count < 0 ? errno : ENOSPC, more_room);
     bytes_ += count;
     data = data.subspan(static_cast<std::size_t>(count));
   }
@@ -72,7 +77,8 @@ void ScratchFile::read_at(std::int64_t offset, std::span<std::byte> into) const 
     if (count < 0 && errno == EINTR)
       continue;
     if (count <= 0)
-      fail("does not give scratch back", count < 0 ? errno : EIO);
+      fail("does not give scratch back", count < 0 ? errno : EIO,
+           "let --scratch name a folder on another disk");
     offset += count;
     into = into.subspan(static_cast<std::size_t>(count));
   }

@@ -85,11 +85,19 @@ void check_output(const Communicator &comm, const std::string &path, std::span<c
 
 void check_points_output(const Communicator &comm, const std::string &path,
                          std::span<const std::string> inputs) {
-  std::vector<std::string_view> extensions;
-  for (const PointExtension &each : point_extensions())
-    if (each.written)
-      extensions.push_back(each.extension);
-  check_output(comm, path, inputs, extensions);
+  if (path.empty())
+    refuse_empty();
+  const std::span<const PointExtension> known = point_extensions();
+  const std::string extension = extension_of(path);
+  if (std::none_of(known.begin(), known.end(),
+                   [&](const PointExtension &each) { return each.written && each.extension == extension; }))
+    refuse(path,
+           extension.empty() ? "an output without an extension"
+                             : fmt::format("points are not written as '{}'", extension),
+           fmt::format("let the name end in {}; a mesh of points is made by dovetail triangulate",
+                       known_point_extensions(true)),
+           ErrorKind::usage);
+  check_output(comm, path, inputs, {});
 }
 
 std::vector<std::string> check_mesh_output(const Communicator &comm, const std::string &path,

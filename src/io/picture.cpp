@@ -148,11 +148,16 @@ GlobalIndex share_of_window(const Corners &corners, const Window &window) {
   return doubled >= 0 && doubled <= 2 ? static_cast<GlobalIndex>(doubled / 2 * whole) : 0; // NaN, too
 }
 
-/// Collective: the values that `value_of` gives to what is seen, but for a little at both ends. Only finite
-/// values count.
+/// What is seen has values from `low` to `high`, and nearly all of it those of `scale`.
+struct SeenValues {
+  Scale scale;
+  double low, high; ///< low > high: none
+};
+
+/// Collective: the values that `value_of` gives to what is seen. Only finite values count.
 template <class ValueOf>
-Scale usual_range(const Communicator &comm, const DistributedMesh &mesh, const Window &window,
-                  bool logarithmic, ValueOf &&value_of) {
+SeenValues seen_values(const Communicator &comm, const DistributedMesh &mesh, const Window &window,
+                       bool logarithmic, ValueOf &&value_of) {
   constexpr std::size_t bins = 4096;
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const auto place_of = [&](const Corners &corners) {
@@ -166,10 +171,12 @@ Scale usual_range(const Communicator &comm, const DistributedMesh &mesh, const W
   ends = all_reduce_min(comm, ends);
   const double low = ends[0];
   const double high = -ends[1];
+  const auto value_at = [&](double place) { return logarithmic ? std::exp(place) : place; };
+  SeenValues seen{{0, 1, false}, value_at(low), value_at(high)};
+  if (low == high)
+    seen.scale = logarithmic ? Scale{seen.low / 2, seen.low * 2, true} : Scale{low - 0.5, low + 0.5, false};
   if (!(low < high))
-    return low == high && logarithmic
-               ? Scale{std::exp(low) / 2, std::exp(low) * 2, true}
-               : Scale{low == high ? low - 0.5 : 0, low == high ? low + 0.5 : 1, false};
+    return seen;
   std::vector<GlobalIndex> shares(bins, 0);
   for_each_triangle(mesh, window, [&](const Corners &corners) {
     if (const double place = place_of(corners); std::isfinite(place))
@@ -186,10 +193,10 @@ Scale usual_range(const Communicator &comm, const DistributedMesh &mesh, const W
   for (GlobalIndex above = 0; end > first + 1 && above + shares[end - 1] <= tail; --end)
     above += shares[end - 1];
   const auto bound = [&](std::size_t bin) {
-    const double place = low + (high - low) * (static_cast<double>(bin) / bins);
-    return logarithmic ? std::exp(place) : place;
+    return value_at(low + (high - low) * (static_cast<double>(bin) / bins));
   };
-  return {bound(first), bound(end), logarithmic};
+  seen.scale = {bound(first), bound(end), logarithmic};
+  return seen;
 }
 
 /// Collective. Heights are seldom in the units that make a relief readable: steeper than
@@ -225,21 +232,19 @@ std::optional<Window> box_of(const Communicator &comm, const DistributedMesh &me
 }
 
 /// Throws what is wrong with a request, alike on all ranks.
-Window window_of(const std::optional<Window> &box, const PictureOptions &options) {
-  if (!box)
-    throw Error({ErrorKind::input, "the mesh", "", "has no sites, so there is nothing to draw", ""});
+Window window_of(const Window &box, const PictureOptions &options) {
   if (!options.window) {
-    const double across = (box->x1 - box->x0) / 100;
-    const double up = (box->y1 - box->y0) / 100;
-    return {box->x0 - across, box->y0 - up, box->x1 + across, box->y1 + up};
+    const double across = (box.x1 - box.x0) / 100;
+    const double up = (box.y1 - box.y0) / 100;
+    return {box.x0 - across, box.y0 - up, box.x1 + across, box.y1 + up};
   }
   const Window w = *options.window;
   const std::string subject = fmt::format("the window {},{},{},{}", w.x0, w.y0, w.x1, w.y1);
   if (!(w.x0 < w.x1) || !(w.y0 < w.y1) || !std::isfinite(w.x1 - w.x0) || !std::isfinite(w.y1 - w.y0))
     refuse(subject, "is empty", "give its lower left and its upper right corner: x0,y0,x1,y1");
-  if (w.x1 < box->x0 || w.x0 > box->x1 || w.y1 < box->y0 || w.y0 > box->y1)
+  if (w.x1 < box.x0 || w.x0 > box.x1 || w.y1 < box.y0 || w.y0 > box.y1)
     refuse(subject, "is beside the mesh",
-           fmt::format("choose one within x {} to {}, y {} to {}", box->x0, box->x1, box->y0, box->y1));
+           fmt::format("choose one within x {} to {}, y {} to {}", box.x0, box.x1, box.y0, box.y1));
   return w;
 }
 
@@ -250,7 +255,8 @@ void check_options(const DistributedMesh &mesh, const std::string &path, bool sv
            fmt::format("choose from {} to {}", least_picture_width, most_picture_width));
   if (options.colouring == Colouring::elevation && !has_z)
     refuse(path, "elevation is asked for, and the mesh has no z",
-           "triangulate points that have a third column, or colour by slab, angle or area");
+           "triangulate points with a column named z, or with three columns and no names; or colour by slab, "
+           "angle or area");
   if (svg && mesh.triangle_count() > most_svg_triangles)
     refuse(path, fmt::format("{} triangles are too many for an SVG", mesh.triangle_count()),
            fmt::format("let the name end in .png, which has no limit (of an SVG: {})", most_svg_triangles));
@@ -263,6 +269,17 @@ std::string part_text(const Window &part) {
     return number_text(low, step) + " to " + number_text(high, step);
   };
   return "x " + range(part.x0, part.x1) + ", y " + range(part.y0, part.y1);
+}
+
+/// What the scale's colours mean, and all values that they stand for: the ends of the scale are also the
+/// colours of what is beyond them.
+std::string scale_name(const std::string &quantity, const SeenValues &seen) {
+  if (!(seen.low <= seen.high))
+    return quantity;
+  const auto text = [&](double value) {
+    return number_text(value, seen.scale.logarithmic ? value / 100 : (seen.high - seen.low) / 1000);
+  };
+  return fmt::format("{}, {} to {} in all", quantity, text(seen.low), text(seen.high));
 }
 
 Meaning meaning_of(const Communicator &comm, const DistributedMesh &mesh, const Window &window,
@@ -279,15 +296,19 @@ Meaning meaning_of(const Communicator &comm, const DistributedMesh &mesh, const 
     meaning.name = "smallest angle (degrees)";
     meaning.scale = {0, 60, false};
     break;
-  case Colouring::area:
-    meaning.name = "area (logarithmic)";
-    meaning.scale =
-        usual_range(comm, mesh, window, true, [](const Corners &c) { return c.doubled_area() / 2; });
+  case Colouring::area: {
+    const SeenValues seen =
+        seen_values(comm, mesh, window, true, [](const Corners &c) { return c.doubled_area() / 2; });
+    meaning.name = scale_name("area (logarithmic)", seen);
+    meaning.scale = seen.scale;
     break;
-  case Colouring::elevation:
-    meaning.name = "elevation (z)";
-    meaning.scale = usual_range(comm, mesh, window, false, mean_z);
+  }
+  case Colouring::elevation: {
+    const SeenValues seen = seen_values(comm, mesh, window, false, mean_z);
+    meaning.name = scale_name("elevation (z)", seen);
+    meaning.scale = seen.scale;
     break;
+  }
   }
   GlobalIndex path_sites = 0;
   for (const SlabMesh &slab : mesh.slabs)
@@ -352,7 +373,8 @@ int edge_weight(Colouring colouring) {
     return 110;
   }
 }
-double hull_half_width(const Layout &layout) { return std::max(0.8, 0.8 * layout.dot); }
+// The hull shows on both sides of a path that runs along it.
+double hull_half_width(const Layout &layout) { return 0.7 + 0.9 * layout.dot; }
 double path_half_width(const Layout &layout) { return std::max(0.6, 0.55 * layout.dot); }
 double casing_half_width(const Layout &layout) { return std::max(1.2, 1.1 * layout.dot); }
 
@@ -370,7 +392,9 @@ void write_picture(const Communicator &comm, const DistributedMesh &mesh, const 
                                      [](const auto &slab) { return picture::z_of(slab) != nullptr; }));
   picture::check_options(mesh, path, extension == ".svg", has_z, options);
   const std::optional<Window> box = picture::box_of(comm, mesh);
-  const Window window = picture::window_of(box, options);
+  if (!box)
+    throw Error({ErrorKind::input, "the mesh", "", "has no sites, so there is nothing to draw", ""});
+  const Window window = picture::window_of(*box, options);
   picture::Meaning meaning = picture::meaning_of(comm, mesh, window, options);
   meaning.part = picture::part_text(options.window ? *options.window : *box);
   picture::Scene scene{mesh, options, picture::lay_out(meaning, window, options.width), meaning.scale, 1, {}};

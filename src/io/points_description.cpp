@@ -91,6 +91,9 @@ std::vector<std::string> description_lines(const PointFile &file) {
   std::vector<std::string> lines;
   lines.push_back(line("format", format_text(file)));
   lines.push_back(line("points", fmt::format("{}", file.records)));
+  if (file.format == PointFormat::text)
+    lines.push_back(line(
+        "x and y", fmt::format("columns {} and {}", file.columns[0].place + 1, file.columns[1].place + 1)));
   lines.push_back(line("attributes", attributes_text(file)));
   if (file.format == PointFormat::las) {
     for (std::size_t axis = 0; axis < 3; ++axis)

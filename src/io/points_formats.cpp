@@ -1,6 +1,7 @@
 // Which point files there are, and what their headers say.
 #include "points_share.hpp"
 
+#include "dovetail/io/domain.hpp"
 #include "dovetail/io/las.hpp"
 #include "dovetail/io/npy.hpp"
 #include "dovetail/io/text.hpp"
@@ -43,6 +44,9 @@ PointFile read_f64_header(const InputFile &file) {
 [[noreturn]] void refuse_extension(const std::string &path) {
   if (extension_of(path) == ".laz")
     throw Error({ErrorKind::input, path, "", "compressed LAS is not read", unpacking_advice(path)});
+  if (is_domain_file(path))
+    throw Error({ErrorKind::input, path, "", "holds a domain, and points are asked for",
+                 "domains are for dovetail constrain and dovetail refine"});
   const std::string extension = extension_of(path);
   throw Error({ErrorKind::input, path, "",
                extension.empty() ? "has no extension that says what it is"

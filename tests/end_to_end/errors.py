@@ -98,6 +98,10 @@ class Errors(harness.TestCase):
             path.write_bytes(b"0 0\n1 1\n")
             self.triangulate_refuses(path, ".npy", ".las", ".f64", ".csv", ".node")
 
+    def test_domain_for_points(self):
+        for name in ("land.poly", "land.geojson"):
+            self.triangulate_refuses(self.folder / name, "dovetail constrain")
+
     def test_compressed_las(self):
         path = self.folder / "points.laz"
         path.write_bytes(b"LASF" + bytes(1000))
@@ -186,6 +190,10 @@ class Errors(harness.TestCase):
         self.refused("triangulate", self.good, "-o", output, code=USAGE, names=output, says=[".vtkhdf"], absent=output)
         output = self.folder / "output.las"
         self.refused("generate", "uniform", "-n", 10, "-o", output, code=USAGE, names=output, says=[".npy"], absent=output)
+        output = self.folder / "points_as_mesh.vtkhdf"
+        self.refused("convert", self.good, output, code=USAGE, names=output, says=["dovetail triangulate"], absent=output)
+        output = self.folder / "no_extension"
+        self.refused("convert", self.good, output, code=USAGE, names=output, says=[".npy"], absent=output)
 
     def test_output_folder_missing(self):
         output = self.folder / "nowhere" / "output.vtkhdf"

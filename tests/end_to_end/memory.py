@@ -174,6 +174,7 @@ class Memory(harness.TestCase):
                     path, "-o", output, "--memory", "8MiB", "--on-disk", "--scratch", folder, ranks=ranks, unprivileged=True
                 )
                 self.assertIn(f"{folder}: cannot be used for scratch ({reason}", message)
+                self.assertIn("a folder that is there and can be written to", message)
         self.assertFalse(output.exists())
         path = self.generated("uniform", 400_000, "f64")
         message = self.refused(path, "-o", output, "--memory", "64MiB", "--on-disk", file_limit=5_000_000)

@@ -181,6 +181,14 @@ class Render(harness.TestCase):
 
         self.assertIn("slab 3: 5,000 sites", texts(self.fine, "--window", "0,0,0.1,0.1"))
         self.assertEqual(texts(self.coarse, "--by", "angle")[-7:], ["0", "10", "20", "30", "40", "50", "60"])
+        # All values are told, also those that the scale leaves out.
+        triangles, _ = triangles_of(self.coarse)
+        u, v = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+        areas = (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) / 2
+        (name,) = [text for text in texts(self.coarse, "--by", "area") if text.startswith("area")]
+        self.assertRegex(name, r"^area \(logarithmic\), [\d.]+ to [\d.]+ in all$")
+        least, _, greatest = name.split()[2:5]
+        self.assertTrue(np.allclose([float(least), float(greatest)], [areas.min(), areas.max()], rtol=0.01), name)
 
     def test_few_sites(self):
         for count in (1, 2, 5):

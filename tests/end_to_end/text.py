@@ -102,6 +102,13 @@ class Text(harness.TestCase):
             self.assertIn("z, " + ", ".join(names), out)
             self.assertRegex(out, r"points +500\n")
 
+    def test_coordinates_by_name(self):
+        path, mesh = self.folder / "numbered.csv", self.folder / "numbered.vtkhdf"
+        path.write_text("id,X,Y,Z\n7,0,1,5\n8,2,3,6\n9,4,1,7\n")
+        self.assertRegex(self.succeed("info", path).out, r"x and y +columns 2 and 3\n")
+        self.succeed("triangulate", path, "-o", mesh)
+        self.assertEqual(self.sites_of(mesh, "id"), {0: [0, 1, 5, 7], 1: [2, 3, 6, 8], 2: [4, 1, 7, 9]})
+
     def test_attributes_of_some_files_only(self):
         first, second = self.folder / "first.csv", self.folder / "second.txt"
         first.write_text("x,y,weight\n0,0,5\n1,0,6\n")

@@ -29,7 +29,7 @@ public:
   void forget(std::int64_t offset, std::int64_t bytes) const;
 
 private:
-  [[noreturn]] void fail(const char *what, int error_number) const;
+  [[noreturn]] void fail(const char *what, int error_number, const char *remedy) const;
 
   std::string folder_;
   int descriptor_ = -1;
