@@ -14,9 +14,9 @@ namespace {
 
 constexpr std::size_t at(LocalIndex i) { return static_cast<std::size_t>(i); }
 
-constexpr std::size_t few = 12;    // pieces that are compared with each other
-constexpr int most_cuts = 96;      // one in another
-constexpr double most_copies = 32; // of a piece, in the mean, by cuts that it lies on both sides of
+constexpr std::size_t few = 12;   // pieces that are compared with each other
+constexpr int most_cuts = 96;     // one in another
+constexpr double most_copies = 4; // of a piece, in the mean, by cuts that it lies on both sides of
 
 struct Box {
   double low_x, low_y, high_x, high_y;
