@@ -79,7 +79,7 @@ void Refinement::run() {
       split_encroached();
     } else if (!skinny_.empty()) {
       insert_inside(skinny_.pop());
-    } else {
+    } else if (!try_again()) {
       break;
     }
     if (++steps % 65536 == 0) {
@@ -87,6 +87,32 @@ void Refinement::run() {
       report_progress(options_.progress, "refine", done / (done + static_cast<double>(skinny_.size())));
     }
   }
+}
+
+/// What was left for want of precision, if there are new points since. A rounded point beside a subsegment
+/// may have been outside of the circle of a needle there; by now there may be a better triangle. False if
+/// nothing is to be tried.
+bool Refinement::try_again() {
+  constexpr int most_tries = 8; // one or two do in practice
+  if ((left_triangles_.empty() && left_segments_.empty()) || vertices_.size() == tried_vertices_ ||
+      tries_++ == most_tries)
+    return false;
+  tried_vertices_ = vertices_.size();
+  tile_ = 0;
+  for (LocalIndex t = 0; t < faces_.count(); ++t) {
+    for (HalfEdge h = 4 * t; h < 4 * t + 3; ++h)
+      if (faces_.is_segment(h) && h > faces_.twin(h) && left_reason(h) == LeftReason::precision)
+        encroached_.push_back({h, faces_.from(h), faces_.to(h), tile_});
+    const auto left = left_triangles_.find(t);
+    if (left == left_triangles_.end() || left->second.reason != LeftReason::precision ||
+        left->second.corner != faces_.face(t).corner)
+      continue;
+    left_triangles_.erase(left);
+    const Corners corners = corners_of(faces_.face(t));
+    look_at_triangle(t, corners, squared_sides(corners.a, corners.b, corners.c));
+  }
+  std::erase_if(left_segments_, [](const auto &left) { return left.second == LeftReason::precision; });
+  return !encroached_.empty() || !skinny_.empty();
 }
 
 void Refinement::look_at_all() {

@@ -54,6 +54,7 @@ private:
 
   void number_vertices(const DomainMesh &mesh);
   void lock(const std::function<bool(LocalIndex, int)> &locked);
+  bool try_again();
   void look_at_all();
   /// The cavity, now the fan around the vertex at p.
   void look_at_fan(const SteinerCavity &cavity, Point p);
@@ -104,7 +105,9 @@ private:
   std::vector<Subsegment> blocking_;                    ///< subsegments that a point would encroach on
   std::unordered_map<LocalIndex, Left> left_triangles_; ///< by face
   std::unordered_map<std::uint64_t, LeftReason> left_segments_; ///< by both ends
-  bool full_ = false;                                           ///< no more points
+  std::size_t tried_vertices_ = 0; ///< when what had been left was last tried again
+  int tries_ = 0;
+  bool full_ = false; ///< no more points
 };
 
 } // namespace dovetail
