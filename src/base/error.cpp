@@ -29,12 +29,15 @@ std::string sentence(const Problem &problem) {
 
 std::string excerpt(std::string_view text) {
   constexpr std::size_t longest = 60;
-  if (text.size() <= longest)
-    return printable(std::string(text));
-  std::size_t end = longest;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) // within a character of UTF-8
-    --end;
-  return printable(std::string(text.substr(0, end))) + "...";
+  std::size_t end = std::min(text.size(), longest);
+  if (end < text.size())
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) // within a character of UTF-8
+      --end;
+  std::string result = printable(std::string(text.substr(0, end)));
+  if (!is_printable(result))
+    std::ranges::replace_if(
+        result, [](unsigned char c) { return c >= 0x80; }, '?');
+  return end < text.size() ? result + "..." : result;
 }
 
 bool is_printable(std::string_view text) {

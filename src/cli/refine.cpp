@@ -118,6 +118,12 @@ Start start(const RefineCommand &command, const Session &session, PhaseLog &phas
   if (command.is_mesh())
     return phases.measure("read", [&] { return start_from_mesh(command, session.comm, progress); });
   const bool is_domain = is_domain_file(command.input);
+  const bool is_laz = extension_of(command.input) == ".laz"; // of which the reader of points has more to say
+  if (!is_domain && !is_laz && !point_format_of(command.input))
+    throw Error({ErrorKind::usage, command.input, "",
+                 "its extension is not that of a domain, mesh or point file",
+                 fmt::format("name a domain ({}), a mesh (.vtkhdf), or points ({})", domain_extensions,
+                             known_point_extensions())});
   Start result;
   result.job = phases.measure("read", [&] {
     return is_domain ? domain_of_file(command.input, command.domain)

@@ -79,7 +79,7 @@ void Refinement::run() {
       split_encroached();
     } else if (!skinny_.empty()) {
       insert_inside(skinny_.pop());
-    } else {
+    } else if (!try_again()) {
       break;
     }
     if (++steps % 65536 == 0) {
@@ -89,11 +89,38 @@ void Refinement::run() {
   }
 }
 
+/// What was left for want of precision, if there are new points since. A rounded point beside a subsegment
+/// may have been outside of the circle of a needle there; by now there may be a better triangle. False if
+/// nothing is to be tried.
+bool Refinement::try_again() {
+  constexpr int most_tries = 8; // one or two do in practice
+  if ((left_triangles_.empty() && left_segments_.empty()) || vertices_.size() == tried_vertices_ ||
+      tries_++ == most_tries)
+    return false;
+  tried_vertices_ = vertices_.size();
+  tile_ = 0;
+  for (LocalIndex t = 0; t < faces_.count(); ++t) {
+    for (HalfEdge h = 4 * t; h < 4 * t + 3; ++h)
+      if (faces_.is_segment(h) && h > faces_.twin(h) && left_reason(h) == LeftReason::precision)
+        encroached_.push_back({h, faces_.from(h), faces_.to(h), tile_});
+    const auto left = left_triangles_.find(t);
+    if (left == left_triangles_.end() || left->second.reason != LeftReason::precision ||
+        left->second.corner != faces_.face(t).corner)
+      continue;
+    left_triangles_.erase(left);
+    const Corners corners = corners_of(faces_.face(t));
+    look_at_triangle(t, corners, squared_sides(corners.a, corners.b, corners.c));
+  }
+  std::erase_if(left_segments_, [](const auto &left) { return left.second == LeftReason::precision; });
+  return !encroached_.empty() || !skinny_.empty();
+}
+
 void Refinement::look_at_all() {
   for (LocalIndex t = 0; t < faces_.count(); ++t) {
     const Face &face = faces_.face(t);
     tile_ = tiles_.of_given(face.corner[0]);
-    look_at_triangle(t, squared_sides(point(face.corner[0]), point(face.corner[1]), point(face.corner[2])));
+    const Corners corners = corners_of(face);
+    look_at_triangle(t, corners, squared_sides(corners.a, corners.b, corners.c));
     if (face.segment_sides != 0)
       for (HalfEdge h = 4 * t; h < 4 * t + 3; ++h)
         if (faces_.is_segment(h))
@@ -109,14 +136,13 @@ void Refinement::look_at_subsegment(HalfEdge h) {
     encroached_.push_back({h, from, to, tile_});
 }
 
-void Refinement::look_at_triangle(LocalIndex t, const SquaredSides &sides) {
-  if (is_bad(t, sides))
-    skinny_.push(sides.side[sides.shortest()],
-                 {t, faces_.face(t).corner, tiles_.of_new(point(faces_.face(t).corner[0]), tile_)});
+void Refinement::look_at_triangle(LocalIndex t, const Corners &corners, const SquaredSides &sides) {
+  if (is_bad(t, corners, sides))
+    skinny_.push(sides.side[sides.shortest()], {t, faces_.face(t).corner, tiles_.of_new(corners.a, tile_)});
 }
 
-bool Refinement::is_bad(LocalIndex t, const SquaredSides &sides) const {
-  return (bound_.is_below(sides) && !is_exempt(t, sides.shortest())) || is_too_large(t);
+bool Refinement::is_bad(LocalIndex t, const Corners &corners, const SquaredSides &sides) const {
+  return (bound_.is_below(sides) && !is_exempt(t, sides.shortest())) || is_too_large(t, corners);
 }
 
 bool Refinement::is_exempt(LocalIndex t, std::size_t shortest) const {
@@ -132,27 +158,28 @@ bool Refinement::is_exempt(LocalIndex t, std::size_t shortest) const {
 }
 
 /// The size field tells edges; a triangle counts as an equilateral one of its area.
-bool Refinement::is_too_large(LocalIndex t) const {
-  const Face &face = faces_.face(t);
-  double limit = options_.max_area > 0 ? options_.max_area : HUGE_VAL;
-  if (face.region != none && index(face.region) < options_.max_area_of_region.size())
-    if (const double own = options_.max_area_of_region[index(face.region)]; own > 0)
-      limit = std::min(limit, own);
-  if (limit == HUGE_VAL && size_field_ == nullptr)
-    return false;
-  const Point a = point(face.corner[0]), b = point(face.corner[1]), c = point(face.corner[2]);
+bool Refinement::is_too_large(LocalIndex t, const Corners &corners) const {
+  const auto [a, b, c] = corners;
   const double area = 0.5 * doubled_area(a, b, c);
-  return area > limit || (size_field_ != nullptr &&
-                          size_field_->forbids(barycentre(a, b, c), std::sqrt(4 / std::sqrt(3.0) * area)));
+  if (options_.max_area > 0 && area > options_.max_area)
+    return true;
+  if (!options_.max_area_of_region.empty())
+    if (const std::int32_t region = faces_.face(t).region;
+        region != none && index(region) < options_.max_area_of_region.size())
+      if (const double own = options_.max_area_of_region[index(region)]; own > 0 && area > own)
+        return true;
+  return size_field_ != nullptr &&
+         size_field_->forbids(barycentre(a, b, c), std::sqrt(4 / std::sqrt(3.0) * area));
 }
 
-void Refinement::look_at_fan(const SteinerCavity &cavity) {
+void Refinement::look_at_fan(const SteinerCavity &cavity, Point p) {
   const std::size_t count = cavity.edge_count();
   for (std::size_t k = 0; k < count; ++k) {
     const RimEdge &edge = cavity.rim[k], &after = cavity.rim[k + 1];
     const LocalIndex t = cavity.faces[k];
-    look_at_triangle(t, {{squared_distance(edge.from_point, after.from_point), after.squared_distance,
-                          edge.squared_distance}});
+    look_at_triangle(t, {p, edge.from_point, after.from_point},
+                     {{squared_distance(edge.from_point, after.from_point), after.squared_distance,
+                       edge.squared_distance}});
     if (edge.segment != none)
       look_at_subsegment(4 * t);
   }
@@ -246,8 +273,8 @@ void Refinement::split(HalfEdge h) {
   if (v == none)
     return;
   commit_halves(cavity_, right_cavity_, v, faces_);
-  look_at_fan(cavity_);
-  look_at_fan(right_cavity_);
+  look_at_fan(cavity_, *p);
+  look_at_fan(right_cavity_, *p);
 }
 
 /// Whether p, whose cavity was found, encroaches on subsegments, or lies beyond one: these are in blocking_.
@@ -295,7 +322,7 @@ void Refinement::insert_inside(const SkinnyQueue::Entry &entry) {
   if (v == none)
     return;
   commit(cavity_, v, faces_);
-  look_at_fan(cavity_);
+  look_at_fan(cavity_, p);
 }
 
 LocalIndex Refinement::add_vertex(Point p, LocalIndex segment) {
@@ -303,6 +330,8 @@ LocalIndex Refinement::add_vertex(Point p, LocalIndex segment) {
     full_ = true;
     return none;
   }
+  if (vertices_.size() == vertices_.capacity())
+    reserve_huge(vertices_, 2 * vertices_.size());
   vertices_.push_back(p);
   segment_of_vertex_.push_back(segment);
   return static_cast<LocalIndex>(vertices_.size() - 1);

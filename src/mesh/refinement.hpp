@@ -30,6 +30,9 @@ public:
   Refined result();
 
 private:
+  struct Corners {
+    Point a, b, c;
+  };
   /// A piece of a segment as it was, with the triangle on its left that gave reason to split it.
   struct Subsegment {
     HalfEdge side;
@@ -42,6 +45,7 @@ private:
   };
 
   std::vector<LeftTriangle> triangles_left() const;
+  bool may_be_exempt(const Face &face) const;
   std::vector<LeftSubsegment> subsegments_left() const;
   LocalIndex given_or_new(LocalIndex v) const {
     return static_cast<std::size_t>(v) < given_number_.size() ? given_number_[static_cast<std::size_t>(v)]
@@ -50,10 +54,12 @@ private:
 
   void number_vertices(const DomainMesh &mesh);
   void lock(const std::function<bool(LocalIndex, int)> &locked);
+  bool try_again();
   void look_at_all();
-  void look_at_fan(const SteinerCavity &cavity);
+  /// The cavity, now the fan around the vertex at p.
+  void look_at_fan(const SteinerCavity &cavity, Point p);
   void look_at_subsegment(HalfEdge h);
-  void look_at_triangle(LocalIndex t, const SquaredSides &sides);
+  void look_at_triangle(LocalIndex t, const Corners &corners, const SquaredSides &sides);
 
   void split_encroached();
   void split(HalfEdge h);
@@ -63,9 +69,9 @@ private:
   bool encroaches(Point p);
   LocalIndex add_vertex(Point p, LocalIndex segment);
 
-  bool is_bad(LocalIndex t, const SquaredSides &sides) const;
+  bool is_bad(LocalIndex t, const Corners &corners, const SquaredSides &sides) const;
   bool is_exempt(LocalIndex t, std::size_t shortest) const;
-  bool is_too_large(LocalIndex t) const;
+  bool is_too_large(LocalIndex t, const Corners &corners) const;
   double least_squared_distance(const SteinerCavity &cavity) const;
   std::optional<LeftReason> too_near(double squared_distance) const;
   void leave(LocalIndex t, LeftReason reason);
@@ -73,6 +79,9 @@ private:
   std::optional<LeftReason> left_reason(HalfEdge h) const;
 
   Point point(LocalIndex v) const { return vertices_[static_cast<std::size_t>(v)]; }
+  Corners corners_of(const Face &face) const {
+    return {point(face.corner[0]), point(face.corner[1]), point(face.corner[2])};
+  }
 
   const RefineOptions &options_;
   const SizeField *size_field_;
@@ -96,7 +105,9 @@ private:
   std::vector<Subsegment> blocking_;                    ///< subsegments that a point would encroach on
   std::unordered_map<LocalIndex, Left> left_triangles_; ///< by face
   std::unordered_map<std::uint64_t, LeftReason> left_segments_; ///< by both ends
-  bool full_ = false;                                           ///< no more points
+  std::size_t tried_vertices_ = 0; ///< when what had been left was last tried again
+  int tries_ = 0;
+  bool full_ = false; ///< no more points
 };
 
 } // namespace dovetail

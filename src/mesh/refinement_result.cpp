@@ -1,5 +1,6 @@
 #include "refinement.hpp"
 
+#include <algorithm>
 #include <cassert>
 
 namespace dovetail {
@@ -9,19 +10,29 @@ constexpr std::size_t index(LocalIndex i) { return static_cast<std::size_t>(i); 
 
 } // namespace
 
+/// Two of its corners are on segments: in most meshes few triangles are like that.
+bool Refinement::may_be_exempt(const Face &face) const {
+  return std::ranges::count_if(face.corner,
+                               [&](LocalIndex v) { return segment_of_vertex_[index(v)] != none; }) >= 2;
+}
+
+/// Unless points ran out, what is bad was met in the end and is left or exempt.
 std::vector<LeftTriangle> Refinement::triangles_left() const {
   std::vector<LeftTriangle> result;
-  // Without a sharp vertex there are no exceptions, so what is bad was met in the end.
-  if (!full_ && left_triangles_.empty() && small_angles_.none_at_all())
+  const bool any_exempt = !small_angles_.none_at_all();
+  if (!full_ && left_triangles_.empty() && !any_exempt)
     return result;
   for (LocalIndex t = 0; t < faces_.count(); ++t) {
     const Face &face = faces_.face(t);
-    const Point a = point(face.corner[0]), b = point(face.corner[1]), c = point(face.corner[2]);
+    if (!full_ && !(any_exempt && may_be_exempt(face)) && !left_triangles_.contains(t))
+      continue;
+    const Corners corners = corners_of(face);
+    const auto [a, b, c] = corners;
     const SquaredSides sides = squared_sides(a, b, c);
-    if (!bound_.is_below(sides) && !is_too_large(t))
+    if (!bound_.is_below(sides) && !is_too_large(t, corners))
       continue;
     LeftReason reason = LeftReason::small_input_angle;
-    if (is_bad(t, sides)) {
+    if (is_bad(t, corners, sides)) {
       const auto left = left_triangles_.find(t);
       const bool known = left != left_triangles_.end() && left->second.corner == face.corner;
       assert(known || full_);
@@ -62,9 +73,10 @@ Refined Refinement::result() {
     for (LocalIndex &v : face.corner)
       v = given_or_new(v);
   collect_faces(faces_, result.mesh);
-  result.mesh.vertices = vertices_;
+  const std::vector<Point> first(vertices_.begin(), vertices_.begin() + std::ssize(given_number_));
+  result.mesh.vertices = std::move(vertices_);
   for (std::size_t v = 0; v < given; ++v)
-    result.mesh.vertices[index(given_number_[v])] = vertices_[v];
+    result.mesh.vertices[index(given_number_[v])] = first[v];
   return result;
 }
 

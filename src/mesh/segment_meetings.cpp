@@ -1,6 +1,8 @@
 #include "segment_meetings.hpp"
 
+#include "dovetail/geometry/constructions.hpp"
 #include "dovetail/geometry/predicates.hpp"
+#include "strips.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,13 +14,24 @@ namespace {
 
 constexpr std::size_t at(LocalIndex i) { return static_cast<std::size_t>(i); }
 
-constexpr std::size_t few = 12;    // pieces that are compared with each other
-constexpr int most_cuts = 96;      // one in another
-constexpr double most_copies = 32; // of a piece, in the mean, by cuts that it lies on both sides of
+constexpr std::size_t few = 12;   // pieces that are compared with each other
+constexpr int most_cuts = 96;     // one in another
+constexpr double most_copies = 4; // of a piece, in the mean, by cuts that it lies on both sides of
 
 struct Box {
   double low_x, low_y, high_x, high_y;
   bool holds(Point p) const { return low_x <= p.x && p.x < high_x && low_y <= p.y && p.y < high_y; }
+  Point middle() const { return {0.5 * low_x + 0.5 * high_x, 0.5 * low_y + 0.5 * high_y}; }
+  double half_width() const { return 0.5 * high_x - 0.5 * low_x; }
+  double half_height() const { return 0.5 * high_y - 0.5 * low_y; }
+};
+
+/// Coordinates along and across a direction, from the middle of a box.
+struct Frame {
+  Point middle;
+  Displacement direction; ///< its longer component is 1
+  double along(Point p) const { return dot(direction, p - middle); }
+  double across(Point p) const { return cross(direction, p - middle); }
 };
 
 /// What is in a part of the plane.
@@ -92,8 +105,8 @@ private:
       return false;
     // The corners of the box, seen across the line; an unbounded box has none.
     const double dx = b.x - a.x, dy = b.y - a.y;
-    const double x = 0.5 * box.low_x + 0.5 * box.high_x, y = 0.5 * box.low_y + 0.5 * box.high_y;
-    const double half_x = 0.5 * box.high_x - 0.5 * box.low_x, half_y = 0.5 * box.high_y - 0.5 * box.low_y;
+    const auto [x, y] = box.middle();
+    const double half_x = box.half_width(), half_y = box.half_height();
     const double across_line = std::fabs(dx * (y - a.y) - dy * (x - a.x));
     const double rounding = 0x1p-48 * (std::fabs(x) + std::fabs(y) + half_x + half_y);
     const double most =
@@ -127,10 +140,10 @@ private:
         low.high_x = high.low_x = point(*middle).x;
       else
         low.high_y = high.low_y = point(*middle).y;
-    } else if (0.5 * part.box.high_x - 0.5 * part.box.low_x >= 0.5 * part.box.high_y - 0.5 * part.box.low_y) {
-      low.high_x = high.low_x = 0.5 * part.box.low_x + 0.5 * part.box.high_x;
+    } else if (part.box.half_width() >= part.box.half_height()) {
+      low.high_x = high.low_x = part.box.middle().x;
     } else {
-      low.high_y = high.low_y = 0.5 * part.box.low_y + 0.5 * part.box.high_y;
+      low.high_y = high.low_y = part.box.middle().y;
     }
     Halves halves{share(part, low), share(part, high)};
     const auto after = static_cast<double>(halves.low.pieces.size() + halves.high.pieces.size());
@@ -148,14 +161,113 @@ private:
   }
 
   void compare(const Part &part) {
-    if (!share_a_vertex(part))
+    const bool share = share_a_vertex(part);
+    if (part.pieces.size() > few && !share)
+      return compare_strips(part);
+    if (!share)
       for (std::size_t i = 0; i < part.pieces.size(); ++i)
         for (std::size_t j = 0; j < i; ++j)
           compare_pieces(part.pieces[i], part.pieces[j]);
     for (const LocalIndex piece : part.pieces)
       for (const LocalIndex v : part.vertices)
-        if ((is_new_piece(piece) || is_new_vertex(v)) && is_beside(pieces_[at(piece)], v))
-          found_.beside.emplace_back(piece, v);
+        compare_with_vertex(piece, v);
+  }
+
+  /// Many pieces are long and close together: seen along them, each is a strip across the box, and so is each
+  /// vertex in the box that is none of their ends.
+  void compare_strips(const Part &part) {
+    const LocalIndex longest = *std::ranges::max_element(part.pieces, {}, [&](LocalIndex piece) {
+      const Point a = point(pieces_[at(piece)].from), b = point(pieces_[at(piece)].to);
+      const auto [first, last] = part_inside(a, b, part.box, 0);
+      return (last - first) * distance(a, b);
+    });
+    const Displacement d = point(pieces_[at(longest)].to) - point(pieces_[at(longest)].from);
+    const double length = std::max(std::fabs(d.x), std::fabs(d.y));
+    const Frame frame{part.box.middle(), {d.x / length, d.y / length}};
+    std::vector<Strip> strips;
+    for (const LocalIndex piece : part.pieces)
+      strips.push_back(strip_of(pieces_[at(piece)], part.box, frame));
+    const std::vector<LocalIndex> alone = no_ends(part);
+    for (const LocalIndex v : alone)
+      strips.push_back(strip_of({v, v}, part.box, frame));
+    for_each_meeting(strips, part.pieces.size(), [&](std::size_t i, std::size_t j) {
+      const auto [first, second] = std::minmax(i, j);
+      const LocalIndex piece = part.pieces[first];
+      if (second >= part.pieces.size())
+        return compare_with_vertex(piece, alone[second - part.pieces.size()]);
+      const LocalIndex other = part.pieces[second];
+      compare_pieces(piece, other);
+      for (const LocalIndex end : {pieces_[at(other)].from, pieces_[at(other)].to})
+        compare_with_vertex(piece, end);
+      for (const LocalIndex end : {pieces_[at(piece)].from, pieces_[at(piece)].to})
+        compare_with_vertex(other, end);
+    });
+  }
+
+  /// Of the vertices, those in which no piece ends.
+  std::vector<LocalIndex> no_ends(const Part &part) const {
+    std::vector<LocalIndex> ends;
+    for (const LocalIndex piece : part.pieces)
+      ends.insert(ends.end(), {pieces_[at(piece)].from, pieces_[at(piece)].to});
+    std::ranges::sort(ends);
+    std::vector<LocalIndex> result;
+    std::ranges::copy_if(part.vertices, std::back_inserter(result),
+                         [&](LocalIndex v) { return !std::ranges::binary_search(ends, v); });
+    return result;
+  }
+
+  /// A strip across the box, as far as the frame sees it, with all of the piece in it that is in the box and
+  /// what is within reach of that: the piece's line, if it is long and runs along, or else the range across
+  /// that it takes.
+  Strip strip_of(const Piece &piece, const Box &box, const Frame &frame) const {
+    const Point a = point(piece.from), b = point(piece.to);
+    const double half_length =
+        std::fabs(frame.direction.x) * box.half_width() + std::fabs(frame.direction.y) * box.half_height();
+    // Both coordinates of an end are off by less than 2^-50 of the coordinates that they are made of; on a
+    // line half as long as the strip, this can be ten times as much where it is continued to the strip's
+    // ends. What is beside is at most three times the reach away, as measured across.
+    const double margin =
+        8 * (reach(piece) + 0x1p-48 * (std::fabs(frame.middle.x) + std::fabs(frame.middle.y)));
+    const double from = frame.along(a), to = frame.along(b);
+    const double slope = (frame.across(b) - frame.across(a)) / (to - from);
+    Strip strip{};
+    if (std::fabs(to - from) > half_length && std::fabs(slope) <= 1) {
+      strip.left_low = strip.left_high = frame.across(a) + (-half_length - from) * slope;
+      strip.right_low = strip.right_high = frame.across(a) + (half_length - from) * slope;
+    } else {
+      const auto [first, last] = part_inside(a, b, box, margin);
+      const double low = frame.across(between(a, b, first)), high = frame.across(between(a, b, last));
+      strip.left_low = strip.right_low = std::min(low, high);
+      strip.left_high = strip.right_high = std::max(low, high);
+    }
+    if (!std::isfinite(strip.left_high - strip.left_low + strip.right_high - strip.right_low))
+      return {-HUGE_VAL, HUGE_VAL, -HUGE_VAL, HUGE_VAL}; // beyond the range of doubles
+    return {strip.left_low - margin, strip.left_high + margin, strip.right_low - margin,
+            strip.right_high + margin};
+  }
+
+  struct Fractions {
+    double first, last;
+  };
+
+  /// Of ab, what is in the box or next to it.
+  static Fractions part_inside(Point a, Point b, const Box &box, double margin) {
+    Fractions inside{0, 1};
+    const auto clip = [&](double from, double to, double low, double high) {
+      if (from == to)
+        return;
+      const auto [enters, leaves] =
+          std::minmax({(low - margin - from) / (to - from), (high + margin - from) / (to - from)});
+      inside = {std::clamp(enters, inside.first, inside.last), std::clamp(leaves, inside.first, inside.last)};
+    };
+    clip(a.x, b.x, box.low_x, box.high_x);
+    clip(a.y, b.y, box.low_y, box.high_y);
+    return inside;
+  }
+
+  void compare_with_vertex(LocalIndex piece, LocalIndex v) {
+    if ((is_new_piece(piece) || is_new_vertex(v)) && is_beside(pieces_[at(piece)], v))
+      found_.beside.emplace_back(piece, v);
   }
 
   void compare_pieces(LocalIndex i, LocalIndex j) {

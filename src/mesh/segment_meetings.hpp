@@ -34,7 +34,8 @@ constexpr bool is_between(Point a, Point b, Point p) {
 /// rounding cannot reach farther), or a little more. Vertices are distinct.
 ///
 /// The plane is cut in two again and again, where the vertices are, until few pieces or one common vertex are
-/// left, or cutting does not help any more because the pieces are long and close together.
+/// left, or cutting does not help any more because the pieces are long and close together. Such pieces are
+/// swept over along their direction (mesh/strips.hpp).
 Meetings find_meetings(std::span<const Point> vertices, std::span<const Piece> pieces,
                        std::vector<LocalIndex> live, std::size_t new_piece, std::size_t new_vertex);
 

@@ -325,6 +325,30 @@ TEST(Refine, EndsWhereDoublesDo) {
   expect_valid(result_thin.mesh, thin.segments);
 }
 
+/// Short segments a little apart, in a large square far away: their middles are rounded, and at first
+/// triangles beside them are needles, whose circles leave no room for that. Once these are gone there is.
+TEST(Refine, WhatDoublesHaveRoomForIsNotLeft) {
+  std::mt19937_64 random(6);
+  for (int run = 0; run < 100; ++run) {
+    SCOPED_TRACE(run);
+    constexpr double unit = 0x1p-29; // the last place of coordinates from 2^23 to 2^24
+    PlanarGraph graph = square(1e7 - 500, 1e7 + 500);
+    for (int i = 0; i < 9; ++i) {
+      const auto draw = [&](int place, int from, unsigned range) {
+        return 1e7 + unit * static_cast<double>(16000 * place + from + static_cast<int>(random() % range));
+      };
+      const auto first = static_cast<LocalIndex>(graph.vertices.size());
+      graph.vertices.push_back({draw(i % 3, 0, 4000), draw(i / 3, 0, 12000)});
+      graph.vertices.push_back({draw(i % 3, 8000, 4000), draw(i / 3, 0, 12000)});
+      graph.segments.push_back({first, first + 1, 0});
+    }
+    const Refined result = refined(constrained(graph), 30);
+    EXPECT_TRUE(result.left_subsegments.empty());
+    for (const LeftTriangle &left : result.left_triangles)
+      EXPECT_EQ(left.reason, LeftReason::small_input_angle);
+  }
+}
+
 TEST(Refine, HugeAndTinyCoordinates) {
   const PlanarGraph graph = testing::random_segments(60, 4);
   const std::size_t expected = refined(constrained(graph), 25).mesh.region.size();

@@ -75,8 +75,7 @@ struct Planarised {
 /// A segment of the graph has the marker of the first segment with one that it is a piece of, a vertex that
 /// of the first equal vertex with one. Holes, regions and even_odd are passed on.
 /// Errors (input): segments that name no vertex; segments so close together that rounding creates new
-/// crossings again and again. Expected O((n + k) log n) for n segments in k pieces, unless very many long
-/// segments run close beside each other.
+/// crossings again and again. Expected O((n + k) log n) for n segments in k pieces.
 Planarised planarise(const SegmentSet &given, CrossingRule crossings = CrossingRule::split);
 
 } // namespace dovetail
