@@ -8,6 +8,7 @@
 #include "dovetail/comm/collectives.hpp"
 #include "dovetail/io/libraries.hpp"
 #include "dovetail/io/mesh.hpp"
+#include "dovetail/mesh/checksum.hpp"
 
 #include <fmt/format.h>
 
