@@ -36,7 +36,7 @@ void print_result(const ConstrainCommand &command, const DomainJob &job, const D
   for (const std::string &notice : job.notices)
     print_row("notice", notice);
   print_row("graph", fmt::format("{}, {}", counted(mesh.site_count(), "vertex", "vertices"),
-                                 counted(std::ssize(mesh.domain->segments), "segment", "segments")));
+                                 counted(std::ssize(record_of(mesh).segments), "segment", "segments")));
   print_row("triangles", with_separators(mesh.triangle_count()));
   print_row("boundary edges", with_separators(mesh.hull_edges));
   print_row("wrote", files_text(files));

@@ -201,13 +201,13 @@ Report repairs_as_json(const DomainJob &job) {
 void report_domain(const DistributedMesh &mesh, Report &report) {
   report["slabs"] = mesh.slab_count();
   report["axis"] = axis_name(mesh.axis);
-  report["points"] = mesh.domain->given_vertices;
+  report["points"] = record_of(mesh).given_vertices;
   report["sites"] = mesh.site_count();
   report["duplicates"] = std::ssize(mesh.duplicates);
   report["triangles"] = mesh.triangle_count();
   report["hull_edges"] = mesh.hull_edges;
   report["checksum"] = checksum_text(mesh.checksum);
-  report["segments"] = std::ssize(mesh.domain->segments);
+  report["segments"] = std::ssize(record_of(mesh).segments);
 }
 
 } // namespace dovetail::cli

@@ -42,7 +42,7 @@ private:
 
 /// The mesh by itself; triangles that it says were left below the bound are none of its faults.
 void check_mesh(const DistributedMesh &mesh, DomainVerdict &verdict) {
-  const DomainRecord &record = *mesh.domain;
+  const DomainRecord &record = record_of(mesh);
   verdict.found = validate_domain(domain_of_slab(mesh), record.segments, record.min_angle,
                                   most_told + record.left_triangles.size());
   const std::unordered_set<LocalIndex> left(record.left_triangles.begin(), record.left_triangles.end());
@@ -77,7 +77,7 @@ void check_slab(const DistributedMesh &mesh, DomainVerdict &verdict) {
 
 /// Every link of a chain is a segment of the graph, and every segment of the graph a link.
 void check_chains(const DistributedMesh &mesh, DomainVerdict &verdict) {
-  const DomainRecord &record = *mesh.domain;
+  const DomainRecord &record = record_of(mesh);
   const auto graph_segments = std::ssize(record.segments) - record.hull_segments;
   std::set<std::pair<LocalIndex, LocalIndex>> segments;
   for (std::ptrdiff_t s = 0; s < graph_segments; ++s)
@@ -108,7 +108,7 @@ void check_chains(const DistributedMesh &mesh, DomainVerdict &verdict) {
 /// A piece's vertices inside a segment have its marker, unless they were given.
 void check_markers(const DistributedMesh &mesh, DomainVerdict &verdict) {
   const DomainMesh domain = domain_of_slab(mesh);
-  const DomainRecord &record = *mesh.domain;
+  const DomainRecord &record = record_of(mesh);
   const SlabMesh &slab = mesh.slabs.front();
   std::vector<std::uint8_t> is_end(domain.vertices.size(), 0);
   for (const Segment &segment : record.segments)
@@ -148,7 +148,7 @@ bool stays_near(const std::vector<Point> &points, std::span<const LocalIndex> ch
 
 /// Vertices and segments given, one by one; nothing is brought in order again.
 void compare(const DistributedMesh &mesh, const DomainFile &file, DomainVerdict &verdict) {
-  const DomainRecord &record = *mesh.domain;
+  const DomainRecord &record = record_of(mesh);
   const SlabMesh &slab = mesh.slabs.front();
   Faults faults;
   if (record.given_vertices != std::ssize(file.set.vertices) ||
@@ -224,7 +224,7 @@ void print_verdict(const DistributedMesh &mesh, const DomainVerdict &verdict) {
   const DomainReport &found = verdict.found;
   row("triangles", mesh.triangle_count(), "counter-clockwise, neighbours agree");
   row("inner edges", found.inner_edges, "locally Delaunay, or pieces of segments");
-  row("segments", std::ssize(mesh.domain->segments),
+  row("segments", std::ssize(record_of(mesh).segments),
       fmt::format("one chain of edges each, {} edges together, {} of them outside of the domain",
                   with_separators(found.pieces), with_separators(found.missing_segments)));
   if (verdict.chains > 0)
@@ -233,10 +233,10 @@ void print_verdict(const DistributedMesh &mesh, const DomainVerdict &verdict) {
       fmt::format("all of segments, {} in {}", counted(found.boundaries, "closed curve", "closed curves"),
                   counted(found.components, "component", "components")));
   print_row("area", fmt::format("{:.9g}, that of the domain", found.area));
-  if (mesh.domain->min_angle > 0)
+  if (record_of(mesh).min_angle > 0)
     print_row("smallest angle",
               fmt::format("{:.4f}; below {:g} {} between small input angles, and {} left by limits",
-                          found.smallest_angle, mesh.domain->min_angle,
+                          found.smallest_angle, record_of(mesh).min_angle,
                           counted(found.exempt_triangles, "triangle", "triangles"),
                           with_separators(verdict.left_triangles)));
   else
@@ -259,7 +259,7 @@ void report_verdict(const DistributedMesh &mesh, const DomainVerdict &verdict, R
   report["chains"] = verdict.chains;
   report["area"] = found.area;
   report["bend"] = found.bend;
-  report["min_angle"] = mesh.domain->min_angle;
+  report["min_angle"] = record_of(mesh).min_angle;
   report["smallest_angle"] = found.smallest_angle;
   report["exempt_triangles"] = found.exempt_triangles;
   report["left_triangles"] = verdict.left_triangles;

@@ -99,8 +99,8 @@ DomainJob job_of_mesh(const RefineCommand &command, const DistributedMesh &store
     if (attribute.name != "marker")
       job.vertices.attributes.push_back(attribute);
   job.vertices.duplicates = stored.duplicates;
-  job.given_vertices = stored.domain->given_vertices;
-  job.given_segments = std::ssize(stored.domain->segments);
+  job.given_vertices = record_of(stored).given_vertices;
+  job.given_segments = std::ssize(record_of(stored).segments);
   return job;
 }
 
@@ -161,7 +161,7 @@ std::vector<LocalIndex> lone_vertices(const DomainMesh &mesh, const DomainRecord
 struct Outcome {
   DistributedMesh mesh;
   Refined refined; ///< its mesh is gone
-  std::optional<MeshFigures> figures;
+  MeshFigures figures;
   std::optional<double> feature_integral;
 };
 
@@ -197,7 +197,7 @@ void measure_outcome(const Communicator &comm, const Progress &progress, Outcome
   if (outcome.mesh.triangle_count() > most_triangles_measured)
     return;
   const DomainMesh mesh = domain_of_slab(outcome.mesh);
-  const DomainRecord &record = *outcome.mesh.domain;
+  const DomainRecord &record = record_of(outcome.mesh);
   const FeatureSize size(mesh.vertices, record.segments,
                          lone_vertices(mesh, record, outcome.mesh.slabs.front().vertices.input_index));
   outcome.feature_integral = integrate_feature_density(mesh, size, part_of_stage(progress, 0.2, 1));
@@ -216,7 +216,7 @@ std::string left_text(const Refined &refined) {
 
 void print_result(const RefineCommand &command, const DomainJob &job, const Outcome &outcome,
                   std::span<const std::string> files) {
-  const MeshFigures &figures = *outcome.figures;
+  const MeshFigures &figures = outcome.figures;
   print_row("read", fmt::format("{} and {} from {}", counted(job.given_vertices, "vertex", "vertices"),
                                 counted(job.given_segments, "segment", "segments"), command.input));
   if (!command.is_mesh())
@@ -263,11 +263,11 @@ Report report_of(const RefineCommand &command, const Session &session, const Dom
   report["min_angle"] = command.options.min_angle;
   report["steiner_on_segments"] = outcome.refined.points_on_segments;
   report["steiner_inside"] = outcome.refined.points_inside;
-  report["smallest_angle"] = outcome.figures->smallest_angles.lowest;
-  report["area"] = outcome.figures->area;
-  report["angles"] = histogram_as_json(outcome.figures->angles);
-  report["smallest_angles"] = histogram_as_json(outcome.figures->smallest_angles);
-  report["areas"] = histogram_as_json(trimmed(outcome.figures->areas));
+  report["smallest_angle"] = outcome.figures.smallest_angles.lowest;
+  report["area"] = outcome.figures.area;
+  report["angles"] = histogram_as_json(outcome.figures.angles);
+  report["smallest_angles"] = histogram_as_json(outcome.figures.smallest_angles);
+  report["areas"] = histogram_as_json(trimmed(outcome.figures.areas));
   report["feature_integral"] = outcome.feature_integral ? Report(*outcome.feature_integral) : Report();
   report["vertices_per_feature_integral"] =
       outcome.feature_integral

@@ -94,8 +94,8 @@ DomainMesh domain_of_slab(const DistributedMesh &mesh) {
       std::ranges::transform(attribute.values, result.vertex_markers.begin(),
                              [](double value) { return static_cast<std::int32_t>(value); });
   result.triangles = slab.triangles;
-  result.segment_of_side = mesh.domain->segment_of_side;
-  result.region = mesh.domain->region;
+  result.segment_of_side = record_of(mesh).segment_of_side;
+  result.region = record_of(mesh).region;
   return result;
 }
 

@@ -255,7 +255,7 @@ void write_triples(const Communicator &comm, const DistributedMesh &mesh, Output
 
 /// Local: NAME.poly of the mesh of a domain, whose vertices are in NAME.node.
 std::string poly_text(const DistributedMesh &mesh, const NodeNumbers &numbers) {
-  const DomainRecord &domain = *mesh.domain;
+  const DomainRecord &domain = record_of(mesh);
   const Triangulation &triangles = mesh.slabs.front().triangles;
   std::string lines;
   std::size_t count = 0;

@@ -5,6 +5,7 @@
 #include "dovetail/mesh/domain_record.hpp"
 #include "dovetail/mesh/triangulation.hpp"
 
+#include <cassert>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -79,6 +80,12 @@ struct DistributedMesh {
   GlobalIndex site_count() const { return site_offsets.back(); }
   GlobalIndex triangle_count() const { return triangle_offsets.back(); }
 };
+
+/// Of the mesh of a domain.
+inline const DomainRecord &record_of(const DistributedMesh &mesh) {
+  assert(mesh.domain);
+  return *mesh.domain;
+}
 
 /// First slab of rank `rank`, when `slabs` of them are spread over `ranks`; the last rank's end with `slabs`.
 constexpr int first_slab_of_rank(int slabs, int rank, int ranks) {
