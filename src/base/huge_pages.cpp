@@ -1,6 +1,7 @@
 #include "dovetail/base/huge_pages.hpp"
 
 #ifdef __linux__
+#include <cstddef>
 #include <cstdint>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -15,10 +16,8 @@ void advise_huge_pages([[maybe_unused]] void *begin, [[maybe_unused]] std::size_
   if (bytes < worth)
     return;
   const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
-  const auto address = reinterpret_cast<std::uintptr_t>(begin);
-  const std::uintptr_t first = (address + page - 1) / page * page;
-  const std::uintptr_t end = (address + bytes) / page * page;
-  madvise(reinterpret_cast<void *>(first), end - first, MADV_HUGEPAGE);
+  const std::size_t before = (page - reinterpret_cast<std::uintptr_t>(begin) % page) % page;
+  madvise(static_cast<std::byte *>(begin) + before, (bytes - before) / page * page, MADV_HUGEPAGE);
 #endif
 }
 
