@@ -4,12 +4,10 @@
 #include "output.hpp"
 #include "report.hpp"
 #include "text.hpp"
-#include "verdict.hpp"
 
 #include "dovetail/comm/phases.hpp"
 #include "dovetail/io/mesh.hpp"
 #include "dovetail/io/points.hpp"
-#include "dovetail/mesh/checksum.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -45,13 +43,8 @@ Converted convert_mesh(const ConvertOptions &options, const Communicator &comm, 
       "write", [&] { return write_mesh(comm, mesh, options.output, {.progress = progress_into(meter)}); });
   result.what = fmt::format("{} of {} from {}", counted(mesh.triangle_count(), "triangle", "triangles"),
                             counted(mesh.site_count(), "site", "sites"), options.input);
-  report["slabs"] = mesh.slab_count();
-  report["axis"] = axis_name(mesh.axis);
+  report_counts(report, mesh);
   report["points"] = mesh.digest.points;
-  report["sites"] = mesh.site_count();
-  report["triangles"] = mesh.triangle_count();
-  report["hull_edges"] = mesh.hull_edges;
-  report["checksum"] = checksum_text(mesh.checksum);
   return result;
 }
 

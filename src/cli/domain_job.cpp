@@ -1,11 +1,9 @@
 #include "domain_job.hpp"
 
 #include "text.hpp"
-#include "verdict.hpp"
 
 #include "dovetail/base/error.hpp"
 #include "dovetail/io/domain.hpp"
-#include "dovetail/mesh/checksum.hpp"
 
 #include <fmt/format.h>
 
@@ -199,14 +197,9 @@ Report repairs_as_json(const DomainJob &job) {
 }
 
 void report_domain(const DistributedMesh &mesh, Report &report) {
-  report["slabs"] = mesh.slab_count();
-  report["axis"] = axis_name(mesh.axis);
+  report_counts(report, mesh);
   report["points"] = record_of(mesh).given_vertices;
-  report["sites"] = mesh.site_count();
   report["duplicates"] = std::ssize(mesh.duplicates);
-  report["triangles"] = mesh.triangle_count();
-  report["hull_edges"] = mesh.hull_edges;
-  report["checksum"] = checksum_text(mesh.checksum);
   report["segments"] = std::ssize(record_of(mesh).segments);
 }
 

@@ -14,6 +14,7 @@
 #include <cstring>
 #include <filesystem>
 #include <unistd.h>
+#include <utility>
 
 namespace dovetail::cli {
 namespace {
@@ -27,6 +28,12 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void refuse_empty() {
   refuse("", "the name of an output is empty", "name a file", ErrorKind::usage);
+}
+
+[[noreturn]] void refuse_extension(const std::string &path, std::string what, std::string remedy) {
+  if (extension_of(path).empty())
+    what = "an output without an extension";
+  refuse(path, std::move(what), std::move(remedy), ErrorKind::usage);
 }
 
 /// Also if neither exists yet.
@@ -45,10 +52,8 @@ void check_here(const std::string &path, std::span<const std::string> inputs,
   const fs::path file(path);
   if (!extensions.empty() &&
       std::find(extensions.begin(), extensions.end(), extension_of(path)) == extensions.end())
-    refuse(path,
-           file.extension().empty() ? "an output without an extension"
-                                    : fmt::format("'{}' is not an output format", file.extension().string()),
-           "let the name end in " + joined(extensions, " or "), ErrorKind::usage);
+    refuse_extension(path, fmt::format("'{}' is not an output format", file.extension().string()),
+                     "let the name end in " + joined(extensions, " or "));
 
   std::error_code ignored;
   if (fs::is_directory(file, ignored))
@@ -91,12 +96,9 @@ void check_points_output(const Communicator &comm, const std::string &path,
   const std::string extension = extension_of(path);
   if (std::none_of(known.begin(), known.end(),
                    [&](const PointExtension &each) { return each.written && each.extension == extension; }))
-    refuse(path,
-           extension.empty() ? "an output without an extension"
-                             : fmt::format("points are not written as '{}'", extension),
-           fmt::format("let the name end in {}; a mesh of points is made by dovetail triangulate",
-                       known_point_extensions(true)),
-           ErrorKind::usage);
+    refuse_extension(path, fmt::format("points are not written as '{}'", extension),
+                     fmt::format("let the name end in {}; a mesh of points is made by dovetail triangulate",
+                                 known_point_extensions(true)));
   check_output(comm, path, inputs, {});
 }
 

@@ -92,16 +92,20 @@ Report new_report(const Session &session, const std::string &subcommand,
   return report;
 }
 
-void report_mesh(Report &report, const DistributedMesh &mesh) {
-  const MeshStatistics &statistics = mesh.statistics;
+void report_counts(Report &report, const DistributedMesh &mesh) {
   report["slabs"] = mesh.slab_count();
   report["axis"] = axis_name(mesh.axis);
-  report["points"] = mesh.digest.points;
   report["sites"] = mesh.site_count();
-  report["duplicates"] = mesh.digest.points - mesh.site_count();
   report["triangles"] = mesh.triangle_count();
   report["hull_edges"] = mesh.hull_edges;
   report["checksum"] = checksum_text(mesh.checksum);
+}
+
+void report_mesh(Report &report, const DistributedMesh &mesh) {
+  const MeshStatistics &statistics = mesh.statistics;
+  report_counts(report, mesh);
+  report["points"] = mesh.digest.points;
+  report["duplicates"] = mesh.digest.points - mesh.site_count();
   report["own_sites_max"] = statistics.own_sites_max;
   report["path_sites_max"] = statistics.path_sites_max;
   report["candidate_sites_max"] = statistics.candidate_sites_max;

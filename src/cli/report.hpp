@@ -21,7 +21,10 @@ using Report = nlohmann::ordered_json;
 /// where it does not apply.
 Report new_report(const Session &session, const std::string &subcommand, std::span<const std::string> inputs);
 
-/// What a mesh of points says of itself.
+/// What every mesh says of itself.
+void report_counts(Report &report, const DistributedMesh &mesh);
+
+/// What the mesh of points says that was just made: also its points, and how they were shared out.
 void report_mesh(Report &report, const DistributedMesh &mesh);
 
 /// The phases in the order of `names`. A phase that was not run has null for every number; one that is not

@@ -287,6 +287,10 @@ Meaning meaning_of(const Communicator &comm, const DistributedMesh &mesh, const 
   Meaning meaning;
   meaning.title = fmt::format("{}, {}, {}", counted(mesh.site_count(), "site"),
                               counted(mesh.triangle_count(), "triangle"), counted(mesh.slab_count(), "slab"));
+  const auto explain = [&](const std::string &quantity, const SeenValues &seen) {
+    meaning.name = scale_name(quantity, seen);
+    meaning.scale = seen.scale;
+  };
   switch (options.colouring) {
   case Colouring::slab:
     for (std::size_t s = 0; s + 1 < mesh.site_offsets.size(); ++s)
@@ -296,19 +300,13 @@ Meaning meaning_of(const Communicator &comm, const DistributedMesh &mesh, const 
     meaning.name = "smallest angle (degrees)";
     meaning.scale = {0, 60, false};
     break;
-  case Colouring::area: {
-    const SeenValues seen =
-        seen_values(comm, mesh, window, true, [](const Corners &c) { return c.doubled_area() / 2; });
-    meaning.name = scale_name("area (logarithmic)", seen);
-    meaning.scale = seen.scale;
+  case Colouring::area:
+    explain("area (logarithmic)",
+            seen_values(comm, mesh, window, true, [](const Corners &c) { return c.doubled_area() / 2; }));
     break;
-  }
-  case Colouring::elevation: {
-    const SeenValues seen = seen_values(comm, mesh, window, false, mean_z);
-    meaning.name = scale_name("elevation (z)", seen);
-    meaning.scale = seen.scale;
+  case Colouring::elevation:
+    explain("elevation (z)", seen_values(comm, mesh, window, false, mean_z));
     break;
-  }
   }
   GlobalIndex path_sites = 0;
   for (const SlabMesh &slab : mesh.slabs)
