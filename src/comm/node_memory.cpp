@@ -2,6 +2,8 @@
 
 #include "dovetail/comm/collectives.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <fstream>
 #include <limits>
@@ -23,7 +25,7 @@ std::int64_t limit_in(const std::string &path) {
 std::int64_t limit_of_group(const std::string &mount, std::string group, const std::string &name) {
   std::int64_t limit = limit_in(mount + "/" + name);
   for (; group.size() > 1; group.erase(group.rfind('/')))
-    limit = std::min(limit, limit_in(mount + group + "/" + name));
+    limit = std::min(limit, limit_in(fmt::format("{}{}/{}", mount, group, name)));
   return limit;
 }
 

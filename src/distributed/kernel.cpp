@@ -2,8 +2,10 @@
 
 #include "dovetail/comm/collectives.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <iterator>
 #include <vector>
 
 namespace dovetail {
@@ -23,8 +25,7 @@ SplitTraceSummary summarise(const Communicator &comm, const SplitTrace &trace) {
   levels.resize(all_reduce_max(comm, levels.size()));
   const auto reduce = [&](std::int64_t SplitLevel::*figure, auto &&operation) {
     std::vector<std::int64_t> values;
-    for (const SplitLevel &level : levels)
-      values.push_back(level.*figure);
+    std::ranges::transform(levels, std::back_inserter(values), figure);
     values = operation(values);
     for (std::size_t depth = 0; depth < levels.size(); ++depth)
       levels[depth].*figure = values[depth];

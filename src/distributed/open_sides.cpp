@@ -3,6 +3,7 @@
 #include "dovetail/base/error.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 namespace dovetail {
 namespace {
@@ -69,8 +70,7 @@ std::vector<LocalIndex> open_sides_around(const Triangulation &triangles, std::s
 
 std::vector<LocalIndex> open_sides(const SlabMesh &slab) {
   std::vector<LocalIndex> borders;
-  for (const BorderSide &border : slab.border_sides)
-    borders.push_back(border.side);
+  std::ranges::transform(slab.border_sides, std::back_inserter(borders), &BorderSide::side);
   // Every piece of a slab has a border on it, unless it is the whole mesh.
   return borders.empty() ? open_sides(slab.triangles) : open_sides_around(slab.triangles, borders);
 }

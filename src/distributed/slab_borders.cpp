@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <memory>
 #include <numeric>
 
@@ -79,8 +80,7 @@ std::vector<std::int64_t> cut_positions(const Communicator &comm, std::span<cons
     }
   }
   std::vector<std::int64_t> cuts;
-  for (const Bracket &b : brackets)
-    cuts.push_back(b.low_count);
+  std::ranges::transform(brackets, std::back_inserter(cuts), &Bracket::low_count);
   return cuts;
 }
 

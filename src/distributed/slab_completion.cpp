@@ -66,10 +66,10 @@ void complete_slab(GrowingSlab &slab, const SlabPaths &paths, const SlabLines &l
   Triangulation &triangles = slab.triangles();
   std::vector<HalfEdge> open = open_sides(slab.old_slab());
   const auto own_sides = static_cast<LocalIndex>(triangles.neighbours.size());
-  if (lines.left())
-    append(triangles_beyond(paths.old_left, *lines.left(), true), paths.old_left, slab);
-  if (lines.right())
-    append(triangles_beyond(paths.old_right, *lines.right(), false), paths.old_right, slab);
+  if (const std::optional<SplitLine> &line = lines.left())
+    append(triangles_beyond(paths.old_left, *line, true), paths.old_left, slab);
+  if (const std::optional<SplitLine> &line = lines.right())
+    append(triangles_beyond(paths.old_right, *line, false), paths.old_right, slab);
   for (HalfEdge side = own_sides; side < static_cast<LocalIndex>(triangles.neighbours.size()); ++side)
     if (triangles.neighbours[at(side)] == none)
       open.push_back(side);

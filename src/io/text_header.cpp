@@ -239,6 +239,7 @@ PointFile read_text_header(const InputFile &file) {
   result.named = names.has_value();
   if (!line && !names)
     return result; // no points
+  const Line &first = names ? *names : *line;
   result.separator = separator_of((line ? *line : *names).text);
   const std::vector<std::string> header =
       names ? names_of(*names, result.separator) : std::vector<std::string>();
@@ -249,11 +250,11 @@ PointFile read_text_header(const InputFile &file) {
     result.fields = static_cast<int>(fields.size()) - (fields.back().empty() ? 1 : 0);
   }
   if (result.fields < 2)
-    refuse_text(file, (names ? *names : *line).offset, "the line has one column, and points need x and y",
+    refuse_text(file, first.offset, "the line has one column, and points need x and y",
                 "separate x and y by blanks, commas or semicolons; # begins a comment");
   for (std::size_t field = 0; field < header.size(); ++field)
     if (!is_printable(header[field]))
-      refuse_text(file, names->offset,
+      refuse_text(file, first.offset,
                   fmt::format("the name of column {}, '{}', is not UTF-8, or has control characters",
                               field + 1, excerpt(header[field])),
                   "write it in letters of UTF-8, for instance with iconv -f ISO-8859-1 -t UTF-8");

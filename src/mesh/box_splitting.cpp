@@ -249,13 +249,14 @@ std::size_t BoxSplitting::consider(std::span<const LocalIndex> candidates, doubl
   make_room(found + candidates.size());
   for (const LocalIndex v : candidates) {
     const Point p = point(v);
-    const double distance = across(p, axis) - m;
-    const bool between = (along(p, axis) > low) & (along(p, axis) < high);
+    const double distance = across(p, axis) - m, height = along(p, axis);
+    const bool between = (height > low) & (height < high);
     others_[found] = {p, v};
     if (one_chord)
-      found += static_cast<std::size_t>(between & chords_.front().holds<axis>(p, m));
+      found +=
+          static_cast<std::size_t>(between) & static_cast<std::size_t>(chords_.front().holds<axis>(p, m));
     else if (between && !(distance * distance > reach_squared_)) {
-      const auto chord = std::ranges::lower_bound(chords_, along(p, axis), {}, &Chord::high);
+      const auto chord = std::ranges::lower_bound(chords_, height, {}, &Chord::high);
       found += chord->template holds<axis>(p, m) ? 1U : 0U;
     }
   }

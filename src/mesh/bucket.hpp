@@ -33,7 +33,8 @@ struct NearSites {
       : address(reinterpret_cast<std::uintptr_t>(points) -
                 static_cast<std::uintptr_t>(first) * sizeof(Point)) {}
   Point operator[](Vertex v) const {
-    return *reinterpret_cast<const Point *>(address + static_cast<std::uintptr_t>(v) * sizeof(Point));
+    const std::uintptr_t site = address + static_cast<std::uintptr_t>(v) * sizeof(Point);
+    return *reinterpret_cast<const Point *>(site); // NOLINT(performance-no-int-to-ptr)
   }
 };
 

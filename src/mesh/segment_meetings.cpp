@@ -184,10 +184,11 @@ private:
     const Displacement d = point(pieces_[at(longest)].to) - point(pieces_[at(longest)].from);
     const double length = std::max(std::fabs(d.x), std::fabs(d.y));
     const Frame frame{part.box.middle(), {d.x / length, d.y / length}};
+    const std::vector<LocalIndex> alone = no_ends(part);
     std::vector<Strip> strips;
+    strips.reserve(part.pieces.size() + alone.size());
     for (const LocalIndex piece : part.pieces)
       strips.push_back(strip_of(pieces_[at(piece)], part.box, frame));
-    const std::vector<LocalIndex> alone = no_ends(part);
     for (const LocalIndex v : alone)
       strips.push_back(strip_of({v, v}, part.box, frame));
     for_each_meeting(strips, part.pieces.size(), [&](std::size_t i, std::size_t j) {

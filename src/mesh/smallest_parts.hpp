@@ -25,10 +25,10 @@ template <class Sites> Hull Sphere<Sites>::hull_of(const HalfEdge *ghosts, unsig
     lows |= equal_lanes(at[i], low) << (2 * i);
     highs |= equal_lanes(at[i], high) << (2 * i);
   }
-  const auto is_power_of_two = [](unsigned bits) { return (bits & (bits - 1)) == 0; };
+  const auto more_than_one = [](unsigned bits) { return bits & (bits - 1); };
   const unsigned x = 0x55;
-  if (!(is_power_of_two(lows & x) & is_power_of_two(lows & ~x) & is_power_of_two(highs & x) &
-        is_power_of_two(highs & ~x))) [[unlikely]]
+  if ((more_than_one(lows & x) | more_than_one(lows & ~x) | more_than_one(highs & x) |
+       more_than_one(highs & ~x)) != 0) [[unlikely]]
     return hull_of_ties(ghosts, count);
   const auto extreme = [&](unsigned bits) { return ghosts[std::countr_zero(bits) / 2]; };
   return {{extreme(lows & x), extreme(lows & ~x)}, {extreme(highs & x), extreme(highs & ~x)}};

@@ -84,7 +84,8 @@ public:
     add(
         30,
         [](int i) {
-          return Point{static_cast<double>(i % 5), static_cast<double>(i % 25 / 5)};
+          const int row = i % 25 / 5;
+          return Point{static_cast<double>(i % 5), static_cast<double>(row)};
         },
         2, AxisChoice::y);
     add(

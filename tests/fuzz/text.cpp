@@ -11,8 +11,7 @@ std::vector<std::string> fuzz::seeds() {
       "",
       "0 0\n1 0\n0 1\n",
       "# a comment\nx,y,z\n1.5,2.5e3,-3\n4,5,6.25\n",
-      "\xef\xbb\xbf"
-      "X;\"the Y\";Z;y\r\n1;2;3;4\r\n\r\n5;;7;nan\r\n",
+      "\xef\xbb\xbfX;\"the Y\";Z;y\r\n1;2;3;4\r\n\r\n5;;7;nan\r\n",
       "1\t2\t3\n\n  4 5 6 // far\n+7 -8 9e-300",
       "1 2\n3,4\n",
       "1,5 2,5\n",

@@ -146,7 +146,7 @@ TEST(Insert, WhereItHurts) {
   const Communicator comm = world();
   const int rounds = full() ? 60 : 6;
   for (int round = 0; round < rounds; ++round) {
-    const auto seed = static_cast<std::uint64_t>(round + 1);
+    const std::uint64_t seed = static_cast<std::uint64_t>(round) + 1;
     const Shape shape{2 + round % 6, round % 2 == 0 ? AxisChoice::x : AxisChoice::y, seed};
     const Points before = scattered(60, round % 3 == 0 ? 6 : 1000, seed);
     const PathsAndLines there = paths_and_lines(comm, mesh_of(comm, before, shape));

@@ -159,8 +159,10 @@ std::vector<Case> cases() {
       cluster = generated(Distribution::uniform, 300); // so dense that no sample sees how
   for (int i = 0; i < 600; ++i)
     column.push_back({1, static_cast<double>(i * 7919 % 601)});
-  for (int i = 0; i < 1000; ++i)
-    cluster.push_back({0.5 + 1e-14 * (i % 55), 0.5 + 1e-14 * (i / 55)});
+  for (int i = 0; i < 1000; ++i) {
+    const int row = i / 55, column_of_row = i % 55;
+    cluster.push_back({0.5 + 1e-14 * column_of_row, 0.5 + 1e-14 * row});
+  }
   for (const DuplicateRule rule : {DuplicateRule::first, DuplicateRule::highest})
     all.push_back({crowded, 6, AxisChoice::x, rule});
   all.push_back({generated(Distribution::kuzmin, 1500), 7, AxisChoice::automatic, DuplicateRule::first});

@@ -1,6 +1,5 @@
 /* Preloaded, it makes reading and writing at places of files as slow as a poor disk: DOVETAIL_TEST_DISK says how many
    bytes a second. So tests see long runs without long inputs. */
-#define _GNU_SOURCE
 #include <dlfcn.h>
 #include <stdlib.h>
 #include <time.h>

@@ -39,7 +39,7 @@ Refined refined(const Domain &domain, double min_angle) {
 PlanarGraph uniform_points(GlobalIndex count) {
   PlanarGraph graph;
   graph.vertices.resize(static_cast<std::size_t>(count));
-  generate_points({*distribution_named("uniform"), count, 1}, 0, graph.vertices);
+  generate_points({Distribution::uniform, count, 1}, 0, graph.vertices);
   return graph;
 }
 

@@ -24,10 +24,11 @@ template <class Inside> std::vector<int> counted_samples(const PixelBand &band, 
   for (int row = band.first_row; row < band.first_row + band.rows; ++row)
     for (int column = band.first_column; column < band.first_column + band.columns; ++column) {
       int count = 0;
-      for (int sample = 0; sample < samples_a_pixel; ++sample)
-        if (inside(Point{column + (sample % samples_a_side + 0.5) / samples_a_side,
-                         row + (sample / samples_a_side + 0.5) / samples_a_side}))
+      for (int sample = 0; sample < samples_a_pixel; ++sample) {
+        const int line = sample / samples_a_side, place = sample % samples_a_side;
+        if (inside(Point{column + (place + 0.5) / samples_a_side, row + (line + 0.5) / samples_a_side}))
           ++count;
+      }
       counts.push_back(count);
     }
   return counts;
