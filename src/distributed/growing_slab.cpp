@@ -1,6 +1,7 @@
 #include "growing_slab.hpp"
 
 #include "dovetail/mesh/divide_and_conquer.hpp"
+#include "vertex_moves.hpp"
 
 #include <fmt/format.h>
 
@@ -21,30 +22,6 @@ void insert_values(std::vector<T> &column, std::size_t old_count, const SlabArri
     column[at(to)] = added[j];
     end = place;
   }
-}
-
-/// Where a block of consecutive vertices goes, if at most one new site comes between them: few sites into
-/// many leave few other blocks, and a table of blocks stays in the cache, which one of all vertices does not.
-struct BlockMove {
-  static constexpr int bits = 8;
-  static constexpr LocalIndex irregular = none;
-  LocalIndex distance = irregular;
-  LocalIndex step = 0; ///< from this vertex on one more
-};
-
-std::vector<BlockMove> moves_of_blocks(std::span<const LocalIndex> places, LocalIndex old_own) {
-  std::vector<BlockMove> moves((places.size() >> BlockMove::bits) + 1);
-  for (std::size_t b = 0; (b + 1) << BlockMove::bits <= at(old_own); ++b) {
-    const std::size_t first = b << BlockMove::bits, end = first + (std::size_t{1} << BlockMove::bits);
-    const auto distance = [&](std::size_t v) { return places[v] - static_cast<LocalIndex>(v); };
-    if (distance(end - 1) > distance(first) + 1)
-      continue;
-    std::size_t step = first;
-    while (step < end && distance(step) == distance(first))
-      ++step;
-    moves[b] = {distance(first), static_cast<LocalIndex>(step)};
-  }
-  return moves;
 }
 
 } // namespace
@@ -113,35 +90,26 @@ LocalIndex GrowingSlab::vertex_of(GlobalIndex number) const {
   return is_new ? first_new_ + j : place - j;
 }
 
-std::vector<LocalIndex> GrowingSlab::new_places() const {
-  std::vector<LocalIndex> places(slab_.vertices.points.size());
-  LocalIndex v = 0;
-  for (std::size_t j = 0; j <= arrivals_.places.size(); ++j)
-    for (const LocalIndex end = j < arrivals_.places.size() ? arrivals_.places[j] : old_own(); v < end; ++v)
-      places[at(v)] = v + static_cast<LocalIndex>(j);
+std::vector<LocalIndex> GrowingSlab::places_behind_own() const {
+  std::vector<LocalIndex> places(at(count() - old_own()));
+  const auto place_of = [&](LocalIndex vertex) -> LocalIndex & { return places[at(vertex - old_own())]; };
   for (std::size_t j = 0; j < arrivals_.places.size(); ++j)
-    places[at(first_new_) + j] = arrivals_.place_of_new(j);
+    place_of(first_new_ + static_cast<LocalIndex>(j)) = arrivals_.place_of_new(j);
   for (std::size_t g = 0; g < foreign_.size(); ++g)
-    places[at(foreign_[g].second)] = new_own() + static_cast<LocalIndex>(g);
+    place_of(foreign_[g].second) = new_own() + static_cast<LocalIndex>(g);
   return places;
 }
 
 std::vector<std::size_t> GrowingSlab::renumber_corners() {
-  const std::vector<LocalIndex> places = new_places();
-  const std::vector<BlockMove> moves = moves_of_blocks(places, old_own());
-  const LocalIndex own = new_own();
+  const VertexMoves moves(arrivals_, old_own(), places_behind_own());
   std::vector<std::size_t> with_ghosts;
-  std::vector<LocalIndex> &corners = slab_.triangles.corners;
-  for (std::size_t c = 0; c < corners.size(); ++c) {
-    const LocalIndex v = corners[c];
-    const BlockMove move = moves[at(v >> BlockMove::bits)];
-    if (move.distance != BlockMove::irregular) {
-      corners[c] = v + move.distance + static_cast<LocalIndex>(v >= move.step);
+  const std::span<LocalIndex> corners = slab_.triangles.corners;
+  for (std::size_t c = 0; c < corners.size(); c += 3) {
+    if (!moves.move(corners.subspan(c).first<3>()))
       continue;
-    }
-    corners[c] = places[at(v)];
-    if (corners[c] >= own)
-      with_ghosts.push_back(c);
+    for (std::size_t corner = c; corner < c + 3; ++corner)
+      if (corners[corner] >= new_own())
+        with_ghosts.push_back(corner);
   }
   return with_ghosts;
 }

@@ -41,8 +41,9 @@ public:
 private:
   LocalIndex new_own() const { return old_own() + static_cast<LocalIndex>(arrivals_.places.size()); }
   bool is_own(GlobalIndex number) const { return number >= first_site_ && number < first_site_ + new_own(); }
-  /// What the vertices become: own sites in the total order, then all foreign ones by number.
-  std::vector<LocalIndex> new_places() const;
+  /// What the vertices behind the old own ones become: own sites in the total order, then all foreign ones by
+  /// number.
+  std::vector<LocalIndex> places_behind_own() const;
   /// Appends those sites of the paths that are not there yet.
   void append_foreign(std::initializer_list<const Path *> paths);
   /// Returns where in the corners the foreign ones are.

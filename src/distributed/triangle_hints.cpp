@@ -7,8 +7,13 @@ namespace dovetail {
 
 TriangleHints::TriangleHints(std::span<const Point> vertices, const Triangulation &mesh,
                              std::span<const Point> points) {
-  constexpr std::size_t samples_of_a_point = 8, cells_of_a_point = 4;
-  side_ = static_cast<std::size_t>(std::sqrt(static_cast<double>(cells_of_a_point * points.size()))) + 1;
+  // A walk takes sqrt(triangles / samples) steps, each of which waits for the last, so it costs several times
+  // what a sample does: walks and samples together cost least at about this number of samples.
+  const auto triangles = static_cast<double>(mesh.triangle_count()),
+             sought = static_cast<double>(points.size());
+  const double samples = std::min(triangles, std::cbrt(8 * sought * sought * triangles));
+  constexpr double samples_of_a_cell = 2;
+  side_ = static_cast<std::size_t>(std::sqrt(samples / samples_of_a_cell)) + 1;
   cells_.assign(side_ * side_, none);
   if (points.empty())
     return;
@@ -21,13 +26,15 @@ TriangleHints::TriangleHints(std::span<const Point> vertices, const Triangulatio
   const auto is_in_box = [&](Point p) {
     return left.x <= p.x && p.x <= right.x && lowest.y <= p.y && p.y <= highest.y;
   };
-  const auto count = static_cast<std::size_t>(mesh.triangle_count());
-  const std::size_t samples = std::min(count, samples_of_a_point * points.size());
-  for (std::size_t i = 0; i < samples; ++i) {
-    const std::size_t t = count * i / samples;
+  for (double at = 0; at < triangles; at += triangles / samples) {
+    const auto t = static_cast<std::size_t>(at);
     if (const Point corner = vertices[static_cast<std::size_t>(mesh.corners[3 * t])]; is_in_box(corner))
       cells_[cell(corner)] = static_cast<LocalIndex>(t);
   }
+  // What the sample has missed is near to what it has next to it.
+  for (std::size_t c = 1; c < cells_.size(); ++c)
+    if (cells_[c] == none)
+      cells_[c] = cells_[c - 1];
 }
 
 std::size_t TriangleHints::cell(Point point) const {

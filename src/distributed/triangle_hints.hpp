@@ -8,11 +8,11 @@
 
 namespace dovetail {
 
-/// A sample of a mesh's triangles on a grid: some for each of the points that will be asked about, so that a
-/// walk takes about as many steps as the square root of triangles to a point says.
+/// A sample of a mesh's triangles on a grid, as large as it pays for the points that will be asked about.
 class TriangleHints {
 public:
-  /// A grid over the box of `points`. Looks at a few triangles for every point.
+  /// A grid over the box of `points`. For n points and t triangles it looks at 2 (n^2 t)^(1/3) triangles, and
+  /// at no more than there are.
   TriangleHints(std::span<const Point> vertices, const Triangulation &mesh, std::span<const Point> points);
 
   /// A triangle near to one of the points; `none` where the sample has none. Those that have been changed
