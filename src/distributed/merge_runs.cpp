@@ -1,5 +1,7 @@
 #include "merge_runs.hpp"
 
+#include <array>
+
 namespace dovetail {
 namespace {
 
@@ -19,28 +21,81 @@ bool ascends_as_it_lies(std::span<const Point> points, std::span<const std::size
   });
 }
 
+/// What is left of two sorted runs to be merged.
+struct Merge {
+  std::size_t left, left_end, right, right_end;
+  /// So many steps do not exhaust a run.
+  std::size_t sure_steps() const { return std::min(left_end - left, right_end - right); }
+};
+
 /// Merges [begin, middle) with [middle, end). Of equal points, those on the left come first.
-template <Axis axis>
-void merge_two(const Point *from, std::size_t begin, std::size_t middle, std::size_t end, Point *to,
-               std::uint8_t *from_right) {
+template <Axis axis> class TwoRuns {
+public:
+  TwoRuns(const Point *from, std::size_t begin, std::size_t middle, std::size_t end)
+      : from_(from), begin_(begin), middle_(middle), end_(end) {}
+
+  /// Every step of a merge waits for the one before, so several go on at a time, each with its own part of
+  /// the result.
+  void merge(Point *to, std::uint8_t *from_right) const {
+    constexpr std::size_t parts = 4;
+    std::array<Merge, parts> merges;
+    std::size_t left = begin_, right = middle_;
+    for (std::size_t part = 0; part < parts; ++part) {
+      const std::size_t end = begin_ + (end_ - begin_) * (part + 1) / parts;
+      merges[part] = {left, lefts_before(end), right, 0};
+      left = merges[part].left_end;
+      right = merges[part].right_end = middle_ + (end - left);
+    }
+    const auto step = [&](Merge &part) {
+      const std::size_t taken = less(from_[part.right], from_[part.left]);
+      const std::size_t place = place_of(part);
+      from_right[place] = static_cast<std::uint8_t>(taken);
+      to[place] = from_[part.left + ((part.right - part.left) & (0 - taken))];
+      part.right += taken;
+      part.left += 1 - taken;
+    };
+    while (const std::size_t steps = std::ranges::min(merges, {}, &Merge::sure_steps).sure_steps())
+      for (std::size_t i = 0; i < steps; ++i)
+        for (Merge &part : merges)
+          step(part);
+    for (Merge &part : merges) {
+      while (part.sure_steps() > 0)
+        step(part);
+      const std::size_t place = place_of(part), lefts = part.left_end - part.left;
+      std::fill_n(from_right + place, lefts, std::uint8_t{0});
+      std::fill_n(from_right + place + lefts, part.right_end - part.right, std::uint8_t{1});
+      std::copy(from_ + part.left, from_ + part.left_end, to + place);
+      std::copy(from_ + part.right, from_ + part.right_end, to + place + lefts);
+    }
+  }
+
+private:
   // No && nor ||: which point is less is as good as random.
-  const auto less = [](Point a, Point b) {
+  static std::size_t less(Point a, Point b) {
     return static_cast<std::size_t>(across(a, axis) < across(b, axis)) |
            (static_cast<std::size_t>(across(a, axis) == across(b, axis)) &
             static_cast<std::size_t>(along(a, axis) < along(b, axis)));
-  };
-  std::size_t left = begin, right = middle, place = begin;
-  for (; left < middle && right < end; ++place) {
-    const std::size_t taken = less(from[right], from[left]);
-    from_right[place] = static_cast<std::uint8_t>(taken);
-    to[place] = from[left + ((right - left) & (0 - taken))];
-    right += taken;
-    left += 1 - taken;
   }
-  std::fill(from_right + place, from_right + end, static_cast<std::uint8_t>(right < end));
-  std::copy(from + left, from + middle, to + place);
-  std::copy(from + right, from + end, to + place + (middle - left));
-}
+
+  std::size_t place_of(const Merge &part) const { return part.left + (part.right - middle_); }
+
+  /// Where the left run ends that fills, with some of the right one, all places before `place`.
+  std::size_t lefts_before(std::size_t place) const {
+    const std::size_t count = place - begin_, rights = end_ - middle_;
+    std::size_t low = begin_ + (count > rights ? count - rights : 0), high = std::min(place, middle_);
+    while (low < high) {
+      const std::size_t left = low + (high - low) / 2, last_right = middle_ + (place - left) - 1;
+      if (less(from_[last_right], from_[left]) != 0)
+        high = left;
+      else
+        low = left + 1;
+    }
+    return low;
+  }
+
+  const Point *from_;
+  std::size_t begin_, middle_, end_;
+};
 
 template <Axis axis>
 std::vector<MergeRound> merge_rounds(std::span<Point> arrived, std::vector<std::size_t> begins,
@@ -53,8 +108,8 @@ std::vector<MergeRound> merge_rounds(std::span<Point> arrived, std::vector<std::
     MergeRound round{begins, std::vector<std::uint8_t>(arrived.size())};
     std::vector<std::size_t> next{0};
     for (std::size_t p = 0; p + 2 < begins.size(); p += 2) {
-      merge_two<axis>(from.data(), begins[p], begins[p + 1], begins[p + 2], to.data(),
-                      round.from_right.data());
+      TwoRuns<axis>(from.data(), begins[p], begins[p + 1], begins[p + 2])
+          .merge(to.data(), round.from_right.data());
       next.push_back(begins[p + 2]);
     }
     rounds.push_back(std::move(round));

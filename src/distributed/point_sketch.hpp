@@ -33,6 +33,8 @@ private:
     std::uint64_t hash;
     Point point;
   };
+  /// Those with a hash up to `limit`.
+  void collect(std::span<const Point> points, std::uint64_t limit);
   void shrink();
 
   std::size_t size_;

@@ -325,9 +325,15 @@ std::size_t path_sites(const std::vector<Point> &points, Axis axis) {
 
 TEST(Slabs, SampleFollowsTheSetAndNotTheRanks) {
   const Communicator comm = world();
-  for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{90}, std::size_t{5'000}}) {
-    std::vector<Point> points(count);
-    generate_points({Distribution::uniform, std::ssize(points), 4}, 0, points);
+  std::vector<std::vector<Point>> sets;
+  for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{90}, std::size_t{5'000}})
+    generate_points({Distribution::uniform, static_cast<GlobalIndex>(count), 4}, 0, sets.emplace_back(count));
+  for (const std::size_t different : {std::size_t{90}, std::size_t{150}}) { // of five thousand
+    std::vector<Point> &points = sets.emplace_back(sets[3]);
+    for (std::size_t i = different; i < points.size(); ++i)
+      points[i] = points[i % different];
+  }
+  for (const std::vector<Point> &points : sets) {
     const auto sample_of = [&](std::span<const Point> own) {
       PointSketch sketch(100);
       sketch.add(own);
@@ -336,7 +342,14 @@ TEST(Slabs, SampleFollowsTheSetAndNotTheRanks) {
     PointSketch whole(100);
     whole.add(points);
     const std::vector<Point> expected = whole.points();
-    EXPECT_EQ(expected.size(), std::min<std::size_t>(count, 100));
+    PointSketch one_by_one(100);
+    for (const Point &point : points)
+      one_by_one.add({&point, 1});
+    EXPECT_EQ(one_by_one.points(), expected);
+    std::vector<Point> distinct = points;
+    std::ranges::sort(distinct, TotalOrder{Axis::x});
+    distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+    EXPECT_EQ(expected.size(), std::min<std::size_t>(distinct.size(), 100));
     EXPECT_EQ(sample_of(points), expected) << "every rank has all points";
     EXPECT_EQ(sample_of(comm.rank() + 1 == comm.size() ? points : std::vector<Point>()), expected)
         << "one has";
