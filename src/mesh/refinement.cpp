@@ -57,6 +57,7 @@ void Refinement::number_vertices(const DomainMesh &mesh) {
   for (LocalIndex v = 0; index(v) < mesh.vertices.size(); ++v)
     meet(v);
   reserve_huge(vertices_, 2 * mesh.vertices.size());
+  reserve_huge(segment_of_vertex_, vertices_.capacity());
   const std::vector<LocalIndex> given_segments = segments_of_vertices(mesh, segments_);
   for (const LocalIndex v : given_number_) {
     vertices_.push_back(mesh.vertices[index(v)]);
@@ -330,8 +331,10 @@ LocalIndex Refinement::add_vertex(Point p, LocalIndex segment) {
     full_ = true;
     return none;
   }
-  if (vertices_.size() == vertices_.capacity())
+  if (vertices_.size() == vertices_.capacity()) {
     reserve_huge(vertices_, 2 * vertices_.size());
+    reserve_huge(segment_of_vertex_, vertices_.capacity());
+  }
   vertices_.push_back(p);
   segment_of_vertex_.push_back(segment);
   return static_cast<LocalIndex>(vertices_.size() - 1);

@@ -4,7 +4,9 @@
 #pragma once
 
 #include <cstddef>
+#include <iterator>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace dovetail {
@@ -12,12 +14,17 @@ namespace dovetail {
 /// Local. Advice, and without effect where it is not understood. Memory that has been touched stays as it is.
 void advise_huge_pages(void *begin, std::size_t bytes);
 
-/// Local. values.reserve(count), where the new room is not yet touched.
+/// Local. values.reserve(count). What there is moves into the new room after the advice, which would come too
+/// late for pages that reserve() itself has touched.
 template <class Value> void reserve_huge(std::vector<Value> &values, std::size_t count) {
   if (count <= values.capacity())
     return;
-  values.reserve(count);
-  advise_huge_pages(values.data() + values.size(), (values.capacity() - values.size()) * sizeof(Value));
+  std::vector<Value> roomier;
+  roomier.reserve(count);
+  advise_huge_pages(roomier.data(), roomier.capacity() * sizeof(Value));
+  roomier.insert(roomier.end(), std::make_move_iterator(values.begin()),
+                 std::make_move_iterator(values.end()));
+  values = std::move(roomier);
 }
 
 /// Local. An array whose values are not set.
