@@ -79,7 +79,8 @@ void Refinement::run() {
     if (!encroached_.empty()) {
       split_encroached();
     } else if (!skinny_.empty()) {
-      insert_inside(skinny_.pop());
+      insert_inside(skinny_.pop(
+          [this](const SkinnyQueue::Entry &soon) { __builtin_prefetch(&faces_.face(soon.face)); }));
     } else if (!try_again()) {
       break;
     }
@@ -139,7 +140,8 @@ void Refinement::look_at_subsegment(HalfEdge h) {
 
 void Refinement::look_at_triangle(LocalIndex t, const Corners &corners, const SquaredSides &sides) {
   if (is_bad(t, corners, sides))
-    skinny_.push(sides.side[sides.shortest()], {t, faces_.face(t).corner, tiles_.of_new(corners.a, tile_)});
+    skinny_.push(sides.side[sides.shortest()], tiles_.of_new(corners.a, tile_),
+                 {t, faces_.face(t).corner[0]});
 }
 
 bool Refinement::is_bad(LocalIndex t, const Corners &corners, const SquaredSides &sides) const {
@@ -290,12 +292,12 @@ bool Refinement::encroaches(Point p) {
   return !blocking_.empty();
 }
 
-void Refinement::insert_inside(const SkinnyQueue::Entry &entry) {
-  const LocalIndex t = entry.face;
+void Refinement::insert_inside(const SkinnyQueue::Waiting &waiting) {
+  const LocalIndex t = waiting.entry.face;
   const std::array<LocalIndex, 3> &corner = faces_.face(t).corner;
-  if (corner != entry.corner)
+  if (corner[0] != waiting.entry.corner)
     return;
-  tile_ = entry.tile;
+  tile_ = waiting.tile;
   const std::array<Point, 3> at{point(corner[0]), point(corner[1]), point(corner[2])};
   const SquaredSides sides = squared_sides(at[0], at[1], at[2]);
   const std::size_t i = sides.shortest();
@@ -315,7 +317,7 @@ void Refinement::insert_inside(const SkinnyQueue::Entry &entry) {
     }
     if (encroached_.empty())
       return leave(t, *reason);
-    return skinny_.push(sides.side[i], entry);
+    return skinny_.push(sides.side[i], waiting.tile, waiting.entry);
   }
   if (const auto reason = too_near(least_squared_distance(cavity_)))
     return leave(t, *reason);

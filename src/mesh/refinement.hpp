@@ -65,7 +65,7 @@ private:
   void split(HalfEdge h);
   std::optional<Point> split_point(HalfEdge h) const;
   bool fits(HalfEdge h, Point p) const;
-  void insert_inside(const SkinnyQueue::Entry &entry);
+  void insert_inside(const SkinnyQueue::Waiting &waiting);
   bool encroaches(Point p);
   LocalIndex add_vertex(Point p, LocalIndex segment);
 

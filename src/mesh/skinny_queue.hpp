@@ -1,6 +1,7 @@
 /// The triangles to be refined, in the order that makes the fewest Steiner points. Private to mesh.
 #pragma once
 
+#include "dovetail/base/huge_pages.hpp"
 #include "dovetail/base/types.hpp"
 
 #include <algorithm>
@@ -19,99 +20,135 @@ namespace dovetail {
 class SkinnyQueue {
 public:
   using Tile = std::int32_t; ///< number in Tiles
-  /// A triangle as it was: it is still there if its face has the same corners.
+  /// A triangle as it was: it is still there if its face has the same corner 0, since a new vertex becomes
+  /// corner 0 of all triangles that it makes, and makes no two in the same face.
   struct Entry {
     LocalIndex face;
-    std::array<LocalIndex, 3> corner;
+    LocalIndex corner;
+  };
+  struct Waiting {
+    Entry entry;
     Tile tile;
   };
 
-  explicit SkinnyQueue(Tile tiles) : buckets_of_class_(static_cast<std::size_t>(tiles) * steps) {}
+  explicit SkinnyQueue(Tile tiles) : tiles_(static_cast<std::size_t>(tiles)) {}
 
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
 
   /// The square of the shortest edge, not negative.
-  void push(double squared_edge, const Entry &entry) {
+  void push(double squared_edge, Tile tile, const Entry &entry) {
     // Of a double that is not negative the bits ascend with the value.
     const std::uint64_t bits = std::bit_cast<std::uint64_t>(squared_edge);
     const std::size_t place = bits >> mantissa_bits;
     const std::size_t step = bits >> (mantissa_bits - step_bits) & (steps - 1);
     Class &among = classes_[place];
-    if (among.buckets.empty()) {
-      among.buckets.resize(buckets_of_class_);
-      among.occupied.resize(buckets_of_class_ / 64 + 1);
-    }
-    const std::size_t bucket = static_cast<std::size_t>(entry.tile) * steps + step;
-    const LocalIndex at = new_link(entry);
-    Bucket &list = among.buckets[bucket];
+    const std::size_t bucket = static_cast<std::size_t>(tile) * steps + step;
+    Bucket &list = bucket_for(among, bucket);
     if (list.first == none) {
-      list.first = at;
+      list.first = list.last = new_chunk();
       among.occupied[bucket / 64] |= std::uint64_t{1} << (bucket % 64);
       among.lowest_word = std::min(among.lowest_word, bucket / 64);
-    } else {
-      links_[static_cast<std::size_t>(list.last)].next = at;
+    } else if (chunk(list.last).end == chunk_size) {
+      const LocalIndex added = new_chunk();
+      chunk(list.last).next = added;
+      list.last = added;
     }
-    list.last = at;
+    Chunk &last = chunk(list.last);
+    last.entry[last.end++] = entry;
     ++among.size;
     lowest_class_ = std::min(lowest_class_, place);
     ++size_;
   }
 
-  /// Not empty.
-  Entry pop() {
+  /// Not empty. `soon` is told entries that are likely to be next.
+  template <class Soon> Waiting pop(Soon soon) {
     while (classes_[lowest_class_].size == 0)
       ++lowest_class_;
     Class &among = classes_[lowest_class_];
     while (among.occupied[among.lowest_word] == 0)
       ++among.lowest_word;
     std::uint64_t &word = among.occupied[among.lowest_word];
-    Bucket &list = among.buckets[64 * among.lowest_word + static_cast<std::size_t>(std::countr_zero(word))];
+    const std::size_t bucket = 64 * among.lowest_word + static_cast<std::size_t>(std::countr_zero(word));
+    Bucket &list = bucket_for(among, bucket);
     const LocalIndex at = list.first;
-    Link &link = links_[static_cast<std::size_t>(at)];
-    list.first = link.next;
-    if (list.first == none)
-      word &= word - 1;
-    link.next = free_;
-    free_ = at;
+    Chunk &first = chunk(at);
+    if (first.begin == 0)
+      for (std::size_t i = 1; i < first.end; ++i)
+        soon(first.entry[i]);
+    const Entry entry = first.entry[first.begin++];
+    if (first.begin == first.end) {
+      list.first = first.next;
+      if (list.first == none)
+        word &= word - 1;
+      first.next = free_;
+      free_ = at;
+    }
     --among.size;
     --size_;
-    return link.entry;
+    return {entry, static_cast<Tile>(bucket / steps)};
   }
 
 private:
   static constexpr int mantissa_bits = 52;
   static constexpr int step_bits = 4;
   static constexpr std::size_t steps = std::size_t{1} << step_bits;
+  static constexpr std::size_t chunk_size = 7;
 
-  struct Link {
-    Entry entry;
+  /// Entries of a bucket that came one after the other: a cache line.
+  struct alignas(64) Chunk {
+    std::array<Entry, chunk_size> entry;
     LocalIndex next;
+    std::uint16_t begin, end; ///< those before and behind are not there
   };
   struct Bucket {
-    LocalIndex first = none, last = none;
+    LocalIndex first = none, last = none; ///< chunks
   };
+  using TileBuckets = std::array<Bucket, steps>;
   struct Class {
-    std::vector<Bucket> buckets; ///< by tile, then by step; made when first needed
-    std::vector<std::uint64_t> occupied;
-    std::size_t lowest_word = 0; ///< none below is occupied
+    std::vector<LocalIndex>
+        buckets_of_tile;                 ///< numbers in tile_buckets_, or `none`: few classes meet all tiles
+    std::vector<std::uint64_t> occupied; ///< by tile, then by step
+    std::size_t lowest_word = 0;         ///< none below is occupied
     std::size_t size = 0;
   };
 
-  LocalIndex new_link(const Entry &entry) {
-    if (free_ == none) {
-      links_.push_back({entry, none});
-      return static_cast<LocalIndex>(links_.size() - 1);
+  Chunk &chunk(LocalIndex at) { return chunks_[static_cast<std::size_t>(at)]; }
+
+  /// Made when first needed.
+  Bucket &bucket_for(Class &among, std::size_t bucket) {
+    if (among.occupied.empty()) {
+      among.buckets_of_tile.resize(tiles_, none);
+      among.occupied.resize(tiles_ * steps / 64 + 1);
     }
-    const LocalIndex at = free_;
-    free_ = links_[static_cast<std::size_t>(at)].next;
-    links_[static_cast<std::size_t>(at)] = {entry, none};
+    LocalIndex &of_tile = among.buckets_of_tile[bucket / steps];
+    if (of_tile == none) {
+      of_tile = static_cast<LocalIndex>(tile_buckets_.size());
+      tile_buckets_.emplace_back();
+    }
+    return tile_buckets_[static_cast<std::size_t>(of_tile)][bucket % steps];
+  }
+
+  LocalIndex new_chunk() {
+    LocalIndex at = free_;
+    if (at == none) {
+      if (chunks_.size() == chunks_.capacity())
+        reserve_huge(chunks_, 2 * chunks_.size() + 16);
+      at = static_cast<LocalIndex>(chunks_.size());
+      chunks_.emplace_back();
+    } else {
+      free_ = chunk(at).next;
+    }
+    Chunk &made = chunk(at);
+    made.next = none;
+    made.begin = made.end = 0;
     return at;
   }
 
-  std::size_t buckets_of_class_;
+  std::size_t tiles_;
   std::vector<Class> classes_ = std::vector<Class>(2048); ///< by exponent
-  std::vector<Link> links_;
+  std::vector<TileBuckets> tile_buckets_;
+  std::vector<Chunk> chunks_;
   LocalIndex free_ = none;
   std::size_t lowest_class_ = 2047; ///< none below has entries
   std::size_t size_ = 0;
