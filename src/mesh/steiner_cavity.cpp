@@ -12,62 +12,91 @@ constexpr std::size_t index(LocalIndex i) { return static_cast<std::size_t>(i); 
 
 } // namespace
 
-bool CavitySearch::in_conflict(const Face &face, Point p) const {
-  return in_circle(point(face.corner[0]), point(face.corner[1]), point(face.corner[2]), p) == Sign::positive;
+/// Whether the circle of the face left of h holds p, by its corners as p sees them: those of the edge, which
+/// may be that of the face beyond, and the tip.
+inline bool CavitySearch::in_conflict(HalfEdge h, Point p, const SeenAlone &from, const Edge &edge,
+                                      const SeenAlone &tip, double from_cross_tip,
+                                      double tip_cross_to) const {
+  const auto circle = filter::in_circle(from, edge.to, tip, edge.cross, from_cross_tip, tip_cross_to);
+  if (circle.value > circle.bound)
+    return true;
+  if (-circle.value > circle.bound) [[likely]]
+    return false;
+  return in_circle(point(faces_.from(h)), point(faces_.to(h)), point(faces_.apex(h)), p) == Sign::positive;
+}
+
+/// The sides of the face left of `first`, of which that one comes last. False if the circle of the face does
+/// not hold p.
+bool CavitySearch::begin(HalfEdge first, Point p) {
+  const SeenAlone from = see(faces_.from(first), p), to = see(faces_.to(first), p),
+                  tip = see(faces_.apex(first), p);
+  const double from_cross_to = cross(from, to), to_cross_tip = cross(to, tip),
+               tip_cross_from = cross(tip, from);
+  // As seen from beyond, the edge runs the other way.
+  if (!in_conflict(first, p, to, {first, from, -from_cross_to}, tip, to_cross_tip, tip_cross_from))
+    return false;
+  from_ = to;
+  to_dig_.assign({{first, to, from_cross_to},
+                  {previous(first), from, tip_cross_from},
+                  {next(first), tip, to_cross_tip}});
+  return true;
 }
 
 bool CavitySearch::find(LocalIndex face, Point p, SteinerCavity &cavity) {
-  if (!in_conflict(faces_.face(face), p))
+  if (!begin(4 * face + 2, p))
     return false;
   cavity.faces.assign(1, face);
   cavity.open = false;
-  to_dig_.assign({4 * face + 2, 4 * face + 1, 4 * face});
   dig(p, cavity);
   cavity.rim.push_back(cavity.rim.front());
   return true;
 }
 
 bool CavitySearch::find_half(HalfEdge subsegment, Point p, SteinerCavity &cavity) {
-  if (!in_conflict(faces_.face(face_of(subsegment)), p))
+  if (!begin(subsegment, p))
     return false;
+  to_dig_.erase(to_dig_.begin());
   cavity.faces.assign(1, face_of(subsegment));
   cavity.open = true;
   cavity.segment = faces_.segment(subsegment);
-  to_dig_.assign({previous(subsegment), next(subsegment)});
   dig(p, cavity);
   const LocalIndex last = faces_.from(subsegment);
-  cavity.rim.push_back({none, none, none, last, point(last), squared_distance(point(last), p)});
+  cavity.rim.push_back({none, none, none, last, point(last), squared_distance(point(last), p), 0});
   return true;
 }
 
-/// From sides of the first face, the next in counter-clockwise order on top. The cavity is a tree of faces,
-/// so none is met twice.
+/// From sides of the first face. The cavity is a tree of faces, so none is met twice.
 void CavitySearch::dig(Point p, SteinerCavity &cavity) {
   cavity.rim.clear();
   const Face *const faces = faces_.faces.data();
-  const Point *const vertices = vertices_.data();
   std::uint8_t locks = faces_.face(cavity.faces[0]).locked_sides;
+  SeenAlone from = from_;
   while (!to_dig_.empty()) {
-    const HalfEdge inside = to_dig_.back();
+    Edge edge = to_dig_.back();
     to_dig_.pop_back();
-    const Face &face = faces[index(face_of(inside))];
-    const auto side = static_cast<unsigned>(face_side(inside));
-    const HalfEdge outside = face.twin[side];
-    const bool is_segment = (face.segment_sides >> side & 1) != 0;
-    if (!is_segment) {
-      const Face &beyond = faces[index(face_of(outside))];
-      if (in_conflict(beyond, p)) {
-        cavity.faces.push_back(face_of(outside));
-        locks |= beyond.locked_sides;
-        to_dig_.push_back(previous(outside));
-        to_dig_.push_back(next(outside));
-        continue;
+    while (true) {
+      const Face &face = faces[index(face_of(edge.inside))];
+      const auto side = static_cast<unsigned>(face_side(edge.inside));
+      const HalfEdge outside = face.twin[side];
+      const bool is_segment = (face.segment_sides >> side & 1) != 0;
+      if (!is_segment) {
+        const Face &beyond = faces[index(face_of(outside))];
+        const SeenAlone tip = see(beyond.corner[static_cast<unsigned>(face_side(outside))], p);
+        const double from_cross_tip = cross(from, tip), tip_cross_to = cross(tip, edge.to);
+        if (in_conflict(outside, p, from, edge, tip, from_cross_tip, tip_cross_to)) {
+          cavity.faces.push_back(face_of(outside));
+          locks |= beyond.locked_sides;
+          to_dig_.push_back({previous(outside), edge.to, tip_cross_to});
+          edge = {next(outside), tip, from_cross_tip};
+          continue;
+        }
       }
+      const LocalIndex start = face.corner[side == 2 ? 0 : side + 1];
+      cavity.rim.push_back({edge.inside, outside, is_segment ? faces_.segment(edge.inside) : none, start,
+                            point(start), from.lift, edge.cross});
+      from = edge.to;
+      break;
     }
-    const LocalIndex from = face.corner[side == 2 ? 0 : side + 1];
-    const Point at = vertices[index(from)];
-    cavity.rim.push_back(
-        {inside, outside, is_segment ? faces_.segment(inside) : none, from, at, squared_distance(at, p)});
   }
   cavity.locked = locks != 0;
 }

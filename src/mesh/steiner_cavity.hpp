@@ -6,9 +6,9 @@
 /// located: the point is made from a triangle whose circle holds it, or from a subsegment.
 #pragma once
 
+#include "dovetail/geometry/seen.hpp"
 #include "faces.hpp"
 
-#include <span>
 #include <vector>
 
 namespace dovetail {
@@ -21,6 +21,7 @@ struct RimEdge {
   LocalIndex from;
   Point from_point;
   double squared_distance; ///< of from_point from the new point
+  double doubled_area;     ///< of the triangle between the edge and the new point
 };
 
 /// A half of a cavity on a segment is open: its rim goes from one end of the subsegment to the other.
@@ -47,13 +48,24 @@ public:
   bool find_half(HalfEdge subsegment, Point p, SteinerCavity &cavity);
 
 private:
-  bool in_conflict(const Face &face, Point p) const;
+  /// An edge of the rim as far as it is known; it begins where the one before ends.
+  struct Edge {
+    HalfEdge inside;
+    SeenAlone to;
+    double cross; ///< of its ends
+  };
+
+  bool begin(HalfEdge first, Point p);
+  bool in_conflict(HalfEdge h, Point p, const SeenAlone &from, const Edge &edge, const SeenAlone &tip,
+                   double from_cross_tip, double tip_cross_to) const;
   void dig(Point p, SteinerCavity &cavity);
   Point point(LocalIndex v) const { return vertices_[static_cast<std::size_t>(v)]; }
+  SeenAlone see(LocalIndex v, Point p) const { return see_alone(point(v), p); }
 
   const std::vector<Point> &vertices_;
   const Faces &faces_;
-  std::vector<HalfEdge> to_dig_;
+  SeenAlone from_;           ///< where the edge on top begins
+  std::vector<Edge> to_dig_; ///< the next in counter-clockwise order on top
 };
 
 /// Replaces the cavity by the fan around a vertex. Faces that are free are the cavity's, then new ones.

@@ -31,15 +31,22 @@ using Pair [[gnu::vector_size(16)]] = double;
 
 inline Pair absolute(Pair v) { return Pair{std::fabs(v[0]), std::fabs(v[1])}; }
 
-/// Two sites: each value is that of the one and that of the other.
-struct Seen {
-  Pair x;
-  Pair y;
-  Pair lift;
+/// A site; or two, where Number is Pair: each value is that of the one and that of the other.
+template <class Number> struct SeenAs {
+  Number x;
+  Number y;
+  Number lift;
 };
+using Seen = SeenAs<Pair>;
+using SeenAlone = SeenAs<double>;
 
 /// The difference of a site, its x and its y.
 inline Pair see(Point site, Point from) { return Pair{site.x, site.y} - Pair{from.x, from.y}; }
+
+inline SeenAlone see_alone(Point site, Point from) {
+  const double x = site.x - from.x, y = site.y - from.y;
+  return {x, y, x * x + y * y};
+}
 
 inline Seen both(Pair one, Pair other) {
   const Pair x = {one[0], other[0]}, y = {one[1], other[1]};
@@ -52,15 +59,18 @@ template <int I> Seen both(const Seen &one, const Seen &other) {
   return {both<I>(one.x, other.x), both<I>(one.y, other.y), both<I>(one.lift, other.lift)};
 }
 
-inline Pair cross(const Seen &a, const Seen &b) { return a.x * b.y - a.y * b.x; }
+template <class Number> Number cross(const SeenAs<Number> &a, const SeenAs<Number> &b) {
+  return a.x * b.y - a.y * b.x;
+}
 
 namespace filter {
 
 /// A determinant and how wrong it may be.
-struct Bounded {
-  Pair value;
-  Pair bound;
+template <class Number> struct BoundedAs {
+  Number value;
+  Number bound;
 };
+using Bounded = BoundedAs<Pair>;
 
 /// As filter::orientation of a, b and the point they are seen from.
 inline Bounded turn(const Seen &a, const Seen &b) {
@@ -70,9 +80,10 @@ inline Bounded turn(const Seen &a, const Seen &b) {
 }
 
 /// Is the point inside the circle of b, a, w? The crosses are those of `cross`.
-inline Bounded in_circle(const Seen &a, const Seen &b, const Seen &w, Pair cross_ab, Pair cross_aw,
-                         Pair cross_wb) {
-  const Pair lifts = a.lift + b.lift + w.lift;
+template <class Number>
+BoundedAs<Number> in_circle(const SeenAs<Number> &a, const SeenAs<Number> &b, const SeenAs<Number> &w,
+                            Number cross_ab, Number cross_aw, Number cross_wb) {
+  const Number lifts = a.lift + b.lift + w.lift;
   constexpr double constant = 4.0 * unit_roundoff, guard = underflow_guard / constant;
   return {b.lift * cross_aw + a.lift * cross_wb - w.lift * cross_ab,
           constant * (lifts * (lifts + guard) + guard)};
