@@ -27,9 +27,9 @@ constexpr double safely_within = 0.99;
 Refinement::Refinement(DomainMesh mesh, std::span<const Segment> segments, const RefineOptions &options,
                        const SizeField *size_field)
     : options_(options), size_field_(size_field), segments_(segments), bound_(options.min_angle),
-      small_angles_(mesh.vertices, segments), given_markers_(std::move(mesh.vertex_markers)),
-      faces_(faces_of(mesh)), tiles_(mesh.vertices, options.max_area), skinny_(tiles_.count()),
-      search_(vertices_, faces_) {
+      max_area_(options.max_area > 0 ? options.max_area : HUGE_VAL), small_angles_(mesh.vertices, segments),
+      given_markers_(std::move(mesh.vertex_markers)), faces_(faces_of(mesh)),
+      tiles_(mesh.vertices, options.max_area), skinny_(tiles_.count()), search_(vertices_, faces_) {
   number_vertices(mesh);
   if (options.locked)
     lock(options.locked);
@@ -110,8 +110,8 @@ bool Refinement::try_again() {
         left->second.corner != faces_.face(t).corner)
       continue;
     left_triangles_.erase(left);
-    const Corners corners = corners_of(faces_.face(t));
-    look_at_triangle(t, corners, squared_sides(corners.a, corners.b, corners.c));
+    const Shape shape = shape_of(faces_.face(t));
+    look_at_triangle(t, shape, tiles_.of_new(shape.a, tile_));
   }
   std::erase_if(left_segments_, [](const auto &left) { return left.second == LeftReason::precision; });
   return !encroached_.empty() || !skinny_.empty();
@@ -121,8 +121,8 @@ void Refinement::look_at_all() {
   for (LocalIndex t = 0; t < faces_.count(); ++t) {
     const Face &face = faces_.face(t);
     tile_ = tiles_.of_given(face.corner[0]);
-    const Corners corners = corners_of(face);
-    look_at_triangle(t, corners, squared_sides(corners.a, corners.b, corners.c));
+    const Shape shape = shape_of(face);
+    look_at_triangle(t, shape, tiles_.of_new(shape.a, tile_));
     if (face.segment_sides != 0)
       for (HalfEdge h = 4 * t; h < 4 * t + 3; ++h)
         if (faces_.is_segment(h))
@@ -138,14 +138,18 @@ void Refinement::look_at_subsegment(HalfEdge h) {
     encroached_.push_back({h, from, to, tile_});
 }
 
-void Refinement::look_at_triangle(LocalIndex t, const Corners &corners, const SquaredSides &sides) {
-  if (is_bad(t, corners, sides))
-    skinny_.push(sides.side[sides.shortest()], tiles_.of_new(corners.a, tile_),
-                 {t, faces_.face(t).corner[0]});
+void Refinement::look_at_triangle(LocalIndex t, const Shape &shape, SkinnyQueue::Tile tile) {
+  if (is_bad(t, shape))
+    skinny_.push(shape.sides.least(), tile, {t, faces_.face(t).corner[0]});
 }
 
-bool Refinement::is_bad(LocalIndex t, const Corners &corners, const SquaredSides &sides) const {
-  return (bound_.is_below(sides) && !is_exempt(t, sides.shortest())) || is_too_large(t, corners);
+bool Refinement::is_bad(LocalIndex t, const Shape &shape) const {
+  // Both before either is branched upon: one guess for the two of them.
+  const bool is_large = shape.area > max_area_, is_skinny = bound_.is_below(shape.sides);
+  if (is_large | is_skinny)
+    if (is_large || !is_exempt(t, shape.sides.shortest()))
+      return true;
+  return is_too_large_for_its_place(t, shape);
 }
 
 bool Refinement::is_exempt(LocalIndex t, std::size_t shortest) const {
@@ -160,29 +164,35 @@ bool Refinement::is_exempt(LocalIndex t, std::size_t shortest) const {
                                     segment_of_vertex_[index(q)]);
 }
 
+bool Refinement::is_too_large(LocalIndex t, const Shape &shape) const {
+  return shape.area > max_area_ || is_too_large_for_its_place(t, shape);
+}
+
 /// The size field tells edges; a triangle counts as an equilateral one of its area.
-bool Refinement::is_too_large(LocalIndex t, const Corners &corners) const {
-  const auto [a, b, c] = corners;
-  const double area = 0.5 * doubled_area(a, b, c);
-  if (options_.max_area > 0 && area > options_.max_area)
-    return true;
+bool Refinement::is_too_large_for_its_place(LocalIndex t, const Shape &shape) const {
   if (!options_.max_area_of_region.empty())
     if (const std::int32_t region = faces_.face(t).region;
         region != none && index(region) < options_.max_area_of_region.size())
-      if (const double own = options_.max_area_of_region[index(region)]; own > 0 && area > own)
+      if (const double own = options_.max_area_of_region[index(region)]; own > 0 && shape.area > own)
         return true;
-  return size_field_ != nullptr &&
-         size_field_->forbids(barycentre(a, b, c), std::sqrt(4 / std::sqrt(3.0) * area));
+  return size_field_ != nullptr && size_field_->forbids(barycentre(shape.a, shape.b, shape.c),
+                                                        std::sqrt(4 / std::sqrt(3.0) * shape.area));
 }
 
 void Refinement::look_at_fan(const SteinerCavity &cavity, Point p) {
   const std::size_t count = cavity.edge_count();
+  const SkinnyQueue::Tile tile = tiles_.of_new(p, tile_);
   for (std::size_t k = 0; k < count; ++k) {
     const RimEdge &edge = cavity.rim[k], &after = cavity.rim[k + 1];
     const LocalIndex t = cavity.faces[k];
-    look_at_triangle(t, {p, edge.from_point, after.from_point},
-                     {{squared_distance(edge.from_point, after.from_point), after.squared_distance,
-                       edge.squared_distance}});
+    look_at_triangle(t,
+                     {p,
+                      edge.from_point,
+                      after.from_point,
+                      {{squared_distance(edge.from_point, after.from_point), after.squared_distance,
+                        edge.squared_distance}},
+                      0.5 * edge.doubled_area},
+                     tile);
     if (edge.segment != none)
       look_at_subsegment(4 * t);
   }

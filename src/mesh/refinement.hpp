@@ -30,8 +30,11 @@ public:
   Refined result();
 
 private:
-  struct Corners {
+  /// What decides whether a triangle is bad.
+  struct Shape {
     Point a, b, c;
+    SquaredSides sides;
+    double area;
   };
   /// A piece of a segment as it was, with the triangle on its left that gave reason to split it.
   struct Subsegment {
@@ -59,7 +62,7 @@ private:
   /// The cavity, now the fan around the vertex at p.
   void look_at_fan(const SteinerCavity &cavity, Point p);
   void look_at_subsegment(HalfEdge h);
-  void look_at_triangle(LocalIndex t, const Corners &corners, const SquaredSides &sides);
+  void look_at_triangle(LocalIndex t, const Shape &shape, SkinnyQueue::Tile tile);
 
   void split_encroached();
   void split(HalfEdge h);
@@ -69,9 +72,10 @@ private:
   bool encroaches(Point p);
   LocalIndex add_vertex(Point p, LocalIndex segment);
 
-  bool is_bad(LocalIndex t, const Corners &corners, const SquaredSides &sides) const;
+  bool is_bad(LocalIndex t, const Shape &shape) const;
   bool is_exempt(LocalIndex t, std::size_t shortest) const;
-  bool is_too_large(LocalIndex t, const Corners &corners) const;
+  bool is_too_large(LocalIndex t, const Shape &shape) const;
+  bool is_too_large_for_its_place(LocalIndex t, const Shape &shape) const;
   double least_squared_distance(const SteinerCavity &cavity) const;
   std::optional<LeftReason> too_near(double squared_distance) const;
   void leave(LocalIndex t, LeftReason reason);
@@ -79,14 +83,16 @@ private:
   std::optional<LeftReason> left_reason(HalfEdge h) const;
 
   Point point(LocalIndex v) const { return vertices_[static_cast<std::size_t>(v)]; }
-  Corners corners_of(const Face &face) const {
-    return {point(face.corner[0]), point(face.corner[1]), point(face.corner[2])};
+  Shape shape_of(const Face &face) const {
+    const Point a = point(face.corner[0]), b = point(face.corner[1]), c = point(face.corner[2]);
+    return {a, b, c, squared_sides(a, b, c), 0.5 * doubled_area(a, b, c)};
   }
 
   const RefineOptions &options_;
   const SizeField *size_field_;
   std::span<const Segment> segments_;
   AngleBound bound_;
+  double max_area_; ///< infinite: no limit
   SmallAngles small_angles_;
   double floor_ = 0; ///< squared distance that doubles still resolve
 

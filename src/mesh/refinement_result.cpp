@@ -26,19 +26,18 @@ std::vector<LeftTriangle> Refinement::triangles_left() const {
     const Face &face = faces_.face(t);
     if (!full_ && !(any_exempt && may_be_exempt(face)) && !left_triangles_.contains(t))
       continue;
-    const Corners corners = corners_of(face);
-    const auto [a, b, c] = corners;
-    const SquaredSides sides = squared_sides(a, b, c);
-    if (!bound_.is_below(sides) && !is_too_large(t, corners))
+    const Shape shape = shape_of(face);
+    if (!bound_.is_below(shape.sides) && !is_too_large(t, shape))
       continue;
     LeftReason reason = LeftReason::small_input_angle;
-    if (is_bad(t, corners, sides)) {
+    if (is_bad(t, shape)) {
       const auto left = left_triangles_.find(t);
       const bool known = left != left_triangles_.end() && left->second.corner == face.corner;
       assert(known || full_);
       reason = known ? left->second.reason : LeftReason::max_points;
     }
-    result.push_back({t, barycentre(a, b, c), reason, smallest_angle(a, b, c), 0.5 * doubled_area(a, b, c)});
+    result.push_back({t, barycentre(shape.a, shape.b, shape.c), reason,
+                      smallest_angle(shape.a, shape.b, shape.c), shape.area});
   }
   return result;
 }

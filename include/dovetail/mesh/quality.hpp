@@ -19,6 +19,7 @@ struct SquaredSides {
     const std::size_t i = side[1] < side[0] ? 1 : 0;
     return side[2] < side[i] ? 2 : i;
   }
+  double least() const { return std::min(std::min(side[0], side[1]), side[2]); }
 };
 
 /// A bound on the smallest angle, for comparisons without roots and quotients.
@@ -34,9 +35,11 @@ public:
     const double twice_dot = b + c - a; // 2 |b| |c| cos
     return twice_dot * twice_dot > four_squared_cosine_ * (b * c);
   }
+  /// By minima and maxima: which side is the shortest, no processor guesses.
   bool is_below(const SquaredSides &sides) const {
-    const std::size_t i = sides.shortest();
-    return is_below(sides.side[i], sides.side[i == 0 ? 2 : i - 1], sides.side[i == 2 ? 0 : i + 1]);
+    const double shorter = std::min(sides.side[0], sides.side[1]);
+    const double longer = std::max(sides.side[0], sides.side[1]);
+    return is_below(std::min(shorter, sides.side[2]), std::max(shorter, sides.side[2]), longer);
   }
 
 private:
