@@ -61,7 +61,7 @@ public:
     ++size_;
   }
 
-  /// Not empty. `soon` is told entries that are likely to be next.
+  /// Not empty. `soon` is told entries that are likely to come soon.
   template <class Soon> Waiting pop(Soon soon) {
     while (classes_[lowest_class_].size == 0)
       ++lowest_class_;
@@ -69,13 +69,19 @@ public:
     while (among.occupied[among.lowest_word] == 0)
       ++among.lowest_word;
     std::uint64_t &word = among.occupied[among.lowest_word];
-    const std::size_t bucket = 64 * among.lowest_word + static_cast<std::size_t>(std::countr_zero(word));
-    Bucket &list = bucket_for(among, bucket);
+    Place place{word, 64 * among.lowest_word, none};
+    const std::size_t bucket = place.bucket();
+    Bucket &list = bucket_of(among, bucket);
     const LocalIndex at = list.first;
     Chunk &first = chunk(at);
-    if (first.begin == 0)
-      for (std::size_t i = 1; i < first.end; ++i)
-        soon(first.entry[i]);
+    if (first.begin == 0) { // two ahead the chunk is fetched, one ahead what its entries name
+      place.chunk = at;
+      if (to_next(among, place))
+        for (std::size_t i = 0; i < chunk(place.chunk).end; ++i)
+          soon(chunk(place.chunk).entry[i]);
+      if (place.chunk != none && to_next(among, place))
+        __builtin_prefetch(&chunk(place.chunk));
+    }
     const Entry entry = first.entry[first.begin++];
     if (first.begin == first.end) {
       list.first = first.next;
@@ -106,13 +112,33 @@ private:
   };
   using TileBuckets = std::array<Bucket, steps>;
   struct Class {
-    std::vector<LocalIndex>
-        buckets_of_tile;                 ///< numbers in tile_buckets_, or `none`: few classes meet all tiles
-    std::vector<std::uint64_t> occupied; ///< by tile, then by step
-    std::size_t lowest_word = 0;         ///< none below is occupied
+    std::vector<LocalIndex> buckets_of_tile; ///< in tile_buckets_, or `none`: few classes meet all tiles
+    std::vector<std::uint64_t> occupied;     ///< by tile, then by step
+    std::size_t lowest_word = 0;             ///< none below is occupied
     std::size_t size = 0;
   };
 
+  /// A chunk in the order of a class.
+  struct Place {
+    std::uint64_t word; ///< of the occupied buckets this one and those after it, as far as they share a word
+    std::size_t base;   ///< the bucket of the word's bit 0
+    LocalIndex chunk;
+    std::size_t bucket() const { return base + static_cast<std::size_t>(std::countr_zero(word)); }
+  };
+  /// False if the word has no more.
+  bool to_next(Class &among, Place &place) {
+    place.chunk = chunk(place.chunk).next;
+    if (place.chunk == none) {
+      place.word &= place.word - 1;
+      if (place.word != 0)
+        place.chunk = bucket_of(among, place.bucket()).first;
+    }
+    return place.chunk != none;
+  }
+
+  Bucket &bucket_of(Class &among, std::size_t bucket) {
+    return tile_buckets_[static_cast<std::size_t>(among.buckets_of_tile[bucket / steps])][bucket % steps];
+  }
   Chunk &chunk(LocalIndex at) { return chunks_[static_cast<std::size_t>(at)]; }
 
   /// Made when first needed.
@@ -126,7 +152,7 @@ private:
       of_tile = static_cast<LocalIndex>(tile_buckets_.size());
       tile_buckets_.emplace_back();
     }
-    return tile_buckets_[static_cast<std::size_t>(of_tile)][bucket % steps];
+    return bucket_of(among, bucket);
   }
 
   LocalIndex new_chunk() {
