@@ -24,8 +24,6 @@ Faces faces_of(const Triangulation &mesh) {
     throw Error({ErrorKind::resource, "triangles", "", "a domain has too many for one process", ""});
   Faces result;
   reserve_huge(result.faces, count + count / 2);
-  reserve_huge(result.segment_of, 4 * (count + count / 2));
-  result.segment_of.resize(4 * count);
   for (std::size_t t = 0; t < count; ++t) {
     const LocalIndex *const corner = &mesh.corners[3 * t];
     Face face{{corner[0], corner[1], corner[2]}, {none, none, none}, none, 0, 0, 0};
@@ -50,13 +48,15 @@ Faces faces_of(const DomainMesh &mesh) {
 }
 
 LocalIndex Faces::add() {
-  if (faces.size() == faces.capacity()) {
+  if (faces.size() == faces.capacity())
     reserve_huge(faces, 2 * faces.size() + 16);
-    reserve_huge(segment_of, 4 * faces.capacity());
-  }
   faces.emplace_back();
-  segment_of.resize(segment_of.size() + 4);
   return static_cast<LocalIndex>(faces.size() - 1);
+}
+
+void Faces::grow_segment_of() {
+  reserve_huge(segment_of, 4 * faces.capacity());
+  segment_of.resize(4 * faces.size());
 }
 
 namespace {

@@ -36,7 +36,8 @@ constexpr HalfEdge previous(HalfEdge h) { return face_side(h) == 0 ? h + 2 : h -
 
 struct Faces {
   std::vector<Face> faces;
-  std::vector<LocalIndex> segment_of; ///< by half-edge, valid where the bit of its side is set
+  /// By half-edge, valid where the bit of its side is set, and no longer than it takes for that.
+  std::vector<LocalIndex> segment_of;
 
   Face &face(LocalIndex t) { return faces[static_cast<std::size_t>(t)]; }
   const Face &face(LocalIndex t) const { return faces[static_cast<std::size_t>(t)]; }
@@ -70,8 +71,12 @@ struct Faces {
   void set_segment(HalfEdge h, LocalIndex segment) {
     Face &f = face(face_of(h));
     f.segment_sides = static_cast<std::uint8_t>(f.segment_sides | 1U << face_side(h));
+    if (static_cast<std::size_t>(h) >= segment_of.size())
+      grow_segment_of();
     segment_of[static_cast<std::size_t>(h)] = segment;
   }
+  /// To all half-edges that there are.
+  void grow_segment_of();
 };
 
 /// Without segments, regions and marks. Local.

@@ -118,12 +118,12 @@ void build_fan(SteinerCavity &cavity, LocalIndex vertex, Faces &faces) {
     faces.face(t) = {{vertex, edge.from, cavity.rim[k + 1].from},
                      {edge.outside, 4 * after + 2, 4 * before + 1},
                      region,
-                     static_cast<std::uint8_t>(edge.segment != none ? 1 : 0),
+                     0,
                      0,
                      0};
     before = t;
     if (edge.segment != none)
-      faces.segment_of[index(4 * t)] = edge.segment;
+      faces.set_segment(4 * t, edge.segment);
     if (edge.outside != none)
       faces.set_twin(edge.outside, 4 * t);
   }
