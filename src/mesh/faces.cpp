@@ -95,6 +95,7 @@ void collect_faces(const Faces &faces, DomainMesh &mesh) {
   mesh.triangles.corners.resize(sides);
   mesh.triangles.neighbours.resize(sides);
   mesh.segment_of_side.resize(sides);
+  reserve_huge(mesh.region, index(kept));
   mesh.region.resize(index(kept));
   for (LocalIndex t = 0; t < faces.count(); ++t) {
     if (number.empty())

@@ -31,6 +31,7 @@ Refinement::Refinement(DomainMesh mesh, std::span<const Segment> segments, const
       given_markers_(std::move(mesh.vertex_markers)), faces_(faces_of(mesh)),
       tiles_(mesh.vertices, options.max_area), skinny_(tiles_.count()), search_(vertices_, faces_) {
   number_vertices(mesh);
+  reserve_for_area();
   if (options.locked)
     lock(options.locked);
   double reach = 0;
@@ -63,6 +64,22 @@ void Refinement::number_vertices(const DomainMesh &mesh) {
     vertices_.push_back(mesh.vertices[index(v)]);
     segment_of_vertex_.push_back(given_segments[index(v)]);
   }
+}
+
+/// Room for what the area limit will make, so that arrays need not grow: 1.6 triangles for every triangle of
+/// that area is usual. Pages that are not used cost nothing; still, not more than half a gigabyte of them.
+void Refinement::reserve_for_area() {
+  constexpr double usual = 1.75, most = 1 << 24;
+  double area = 0;
+  for (LocalIndex t = 0; t < faces_.count(); ++t)
+    area += shape_of(faces_.face(t)).area;
+  const double triangles = std::min({usual * area / max_area_, most, 2.0 * options_.max_points});
+  if (!(triangles > static_cast<double>(faces_.count())))
+    return;
+  const auto count = static_cast<std::size_t>(triangles);
+  reserve_huge(faces_.faces, count);
+  reserve_huge(vertices_, count / 2 + count / 16);
+  reserve_huge(segment_of_vertex_, vertices_.capacity());
 }
 
 void Refinement::lock(const std::function<bool(LocalIndex, int)> &locked) {

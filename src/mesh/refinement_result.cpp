@@ -1,5 +1,7 @@
 #include "refinement.hpp"
 
+#include "dovetail/base/huge_pages.hpp"
+
 #include <algorithm>
 #include <cassert>
 
@@ -62,6 +64,7 @@ Refined Refinement::result() {
 
   const std::size_t given = given_number_.size();
   result.mesh.vertex_markers = std::move(given_markers_);
+  reserve_huge(result.mesh.vertex_markers, vertices_.size());
   result.mesh.vertex_markers.resize(given, 0);
   for (std::size_t v = given; v < vertices_.size(); ++v) {
     const LocalIndex segment = segment_of_vertex_[v];
