@@ -18,10 +18,8 @@ inline bool CavitySearch::in_conflict(HalfEdge h, Point p, const SeenAlone &from
                                       const SeenAlone &tip, double from_cross_tip,
                                       double tip_cross_to) const {
   const auto circle = filter::in_circle(from, edge.to, tip, edge.cross, from_cross_tip, tip_cross_to);
-  if (circle.value > circle.bound)
-    return true;
-  if (-circle.value > circle.bound) [[likely]]
-    return false;
+  if (std::fabs(circle.value) > circle.bound) [[likely]]
+    return circle.value > 0;
   return in_circle(point(faces_.from(h)), point(faces_.to(h)), point(faces_.apex(h)), p) == Sign::positive;
 }
 
