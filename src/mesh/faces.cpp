@@ -18,12 +18,12 @@ std::size_t side_from(const Triangulation &mesh, std::size_t across, LocalIndex 
 
 } // namespace
 
-Faces faces_of(const Triangulation &mesh) {
+Faces faces_of(const Triangulation &mesh, std::size_t room) {
   const auto count = index(mesh.triangle_count());
   if (count > most_faces)
     throw Error({ErrorKind::resource, "triangles", "", "a domain has too many for one process", ""});
   Faces result;
-  reserve_huge(result.faces, count + count / 2);
+  reserve_huge(result.faces, std::max(count, room));
   for (std::size_t t = 0; t < count; ++t) {
     const LocalIndex *const corner = &mesh.corners[3 * t];
     Face face{{corner[0], corner[1], corner[2]}, {none, none, none}, none, 0, 0, 0};
@@ -36,8 +36,8 @@ Faces faces_of(const Triangulation &mesh) {
   return result;
 }
 
-Faces faces_of(const DomainMesh &mesh) {
-  Faces result = faces_of(mesh.triangles);
+Faces faces_of(const DomainMesh &mesh, std::size_t room) {
+  Faces result = faces_of(mesh.triangles, room);
   for (LocalIndex t = 0; t < result.count(); ++t) {
     result.face(t).region = mesh.region[index(t)];
     for (LocalIndex i = 0; i < 3; ++i)

@@ -79,10 +79,10 @@ struct Faces {
   void grow_segment_of();
 };
 
-/// Without segments, regions and marks. Local.
-Faces faces_of(const Triangulation &mesh);
+/// Without segments, regions and marks, and with room for so many, if that is more. Local.
+Faces faces_of(const Triangulation &mesh, std::size_t room = 0);
 /// With them, and the locks not set.
-Faces faces_of(const DomainMesh &mesh);
+Faces faces_of(const DomainMesh &mesh, std::size_t room);
 
 /// Triangles, segments and regions of the faces without mark, in their order. Vertices are left alone.
 void collect_faces(const Faces &faces, DomainMesh &mesh);

@@ -22,16 +22,32 @@ bool is_finite(Point p) { return std::isfinite(p.x) && std::isfinite(p.y); }
 /// just below it. Smaller values make more points: 0.95 1.5 % more at 30 degrees.
 constexpr double safely_within = 0.99;
 
+/// So many that arrays seldom have to grow. Pages that are not used cost nothing; still, an area limit does
+/// not ask for more than half a gigabyte of them: the other options may stop it long before.
+std::size_t expected_faces(const DomainMesh &mesh, const RefineOptions &options) {
+  constexpr double by_angle = 3, by_area = 1.75; // 2.75 and 1.6 are usual at 30 degrees
+  constexpr double most_by_area = 1 << 24;
+  const auto given = static_cast<double>(mesh.triangles.triangle_count());
+  double area = 0;
+  for (std::size_t i = 0; options.max_area > 0 && i < mesh.triangles.corners.size(); i += 3) {
+    const LocalIndex *const corner = &mesh.triangles.corners[i];
+    area += 0.5 * doubled_area(mesh.vertices[index(corner[0])], mesh.vertices[index(corner[1])],
+                               mesh.vertices[index(corner[2])]);
+  }
+  const double of_area = options.max_area > 0 ? std::min(by_area * area / options.max_area, most_by_area) : 0;
+  return static_cast<std::size_t>(
+      std::min({std::max(by_angle * given, of_area), 2.0 * options.max_points, 1.0 * most_faces}));
+}
+
 } // namespace
 
 Refinement::Refinement(DomainMesh mesh, std::span<const Segment> segments, const RefineOptions &options,
                        const SizeField *size_field)
     : options_(options), size_field_(size_field), segments_(segments), bound_(options.min_angle),
       max_area_(options.max_area > 0 ? options.max_area : HUGE_VAL), small_angles_(mesh.vertices, segments),
-      given_markers_(std::move(mesh.vertex_markers)), faces_(faces_of(mesh)),
+      given_markers_(std::move(mesh.vertex_markers)), faces_(faces_of(mesh, expected_faces(mesh, options))),
       tiles_(mesh.vertices, options.max_area), skinny_(tiles_.count()), search_(vertices_, faces_) {
   number_vertices(mesh);
-  reserve_for_area();
   if (options.locked)
     lock(options.locked);
   double reach = 0;
@@ -57,29 +73,14 @@ void Refinement::number_vertices(const DomainMesh &mesh) {
       v = meet(v);
   for (LocalIndex v = 0; index(v) < mesh.vertices.size(); ++v)
     meet(v);
-  reserve_huge(vertices_, 2 * mesh.vertices.size());
+  const std::size_t faces = faces_.faces.capacity();
+  reserve_huge(vertices_, std::max(mesh.vertices.size(), faces / 2 + faces / 16));
   reserve_huge(segment_of_vertex_, vertices_.capacity());
   const std::vector<LocalIndex> given_segments = segments_of_vertices(mesh, segments_);
   for (const LocalIndex v : given_number_) {
     vertices_.push_back(mesh.vertices[index(v)]);
     segment_of_vertex_.push_back(given_segments[index(v)]);
   }
-}
-
-/// Room for what the area limit will make, so that arrays need not grow: 1.6 triangles for every triangle of
-/// that area is usual. Pages that are not used cost nothing; still, not more than half a gigabyte of them.
-void Refinement::reserve_for_area() {
-  constexpr double usual = 1.75, most = 1 << 24;
-  double area = 0;
-  for (LocalIndex t = 0; t < faces_.count(); ++t)
-    area += shape_of(faces_.face(t)).area;
-  const double triangles = std::min({usual * area / max_area_, most, 2.0 * options_.max_points});
-  if (!(triangles > static_cast<double>(faces_.count())))
-    return;
-  const auto count = static_cast<std::size_t>(triangles);
-  reserve_huge(faces_.faces, count);
-  reserve_huge(vertices_, count / 2 + count / 16);
-  reserve_huge(segment_of_vertex_, vertices_.capacity());
 }
 
 void Refinement::lock(const std::function<bool(LocalIndex, int)> &locked) {

@@ -56,7 +56,6 @@ private:
   }
 
   void number_vertices(const DomainMesh &mesh);
-  void reserve_for_area();
   void lock(const std::function<bool(LocalIndex, int)> &locked);
   bool try_again();
   void look_at_all();
