@@ -82,7 +82,8 @@ class Progress(harness.TestCase):
     def test_triangulate(self):
         output = self.folder / "written.vtkhdf"
         # Slabs are written as they are made, and the disk is what is waited for.
-        self.check(["triangulate"], self.mesh.stat().st_size / 2.5, "triangulate", self.points, "-o", output)
+        rate = self.mesh.stat().st_size / 2.5
+        self.check(["triangulate"], rate, "triangulate", self.points, "-o", output, "--slabs", 8)
 
     def test_quiet(self):
         os.environ["LD_PRELOAD"], os.environ["DOVETAIL_TEST_DISK"] = SLOW_DISK, "1e6"
