@@ -22,8 +22,9 @@ bool is_finite(Point p) { return std::isfinite(p.x) && std::isfinite(p.y); }
 /// just below it. Smaller values make more points: 0.95 1.5 % more at 30 degrees.
 constexpr double safely_within = 0.99;
 
-/// So many that arrays seldom have to grow. Pages that are not used cost nothing; still, an area limit does
-/// not ask for more than half a gigabyte of them: the other options may stop it long before.
+/// So many that arrays seldom have to grow. Pages that are not used cost nothing but addresses, and these may
+/// be limited, too: there is no room for what other options keep from being made, and an area limit does not
+/// ask for more than half a gigabyte of faces, and as much again for what goes with them.
 std::size_t expected_faces(const DomainMesh &mesh, const RefineOptions &options) {
   constexpr double by_angle = 3, by_area = 1.75; // 2.75 and 1.6 are usual at 30 degrees
   constexpr double most_by_area = 1 << 24;
@@ -34,7 +35,10 @@ std::size_t expected_faces(const DomainMesh &mesh, const RefineOptions &options)
     area += 0.5 * doubled_area(mesh.vertices[index(corner[0])], mesh.vertices[index(corner[1])],
                                mesh.vertices[index(corner[2])]);
   }
-  const double of_area = options.max_area > 0 ? std::min(by_area * area / options.max_area, most_by_area) : 0;
+  // Points that are no nearer to each other than min_edge make triangles of this area where they are densest.
+  const double densest = std::sqrt(3.0) / 4 * options.min_edge * options.min_edge;
+  const double of_area =
+      options.max_area > 0 ? std::min(by_area * area / std::max(options.max_area, densest), most_by_area) : 0;
   return static_cast<std::size_t>(
       std::min({std::max(by_angle * given, of_area), 2.0 * options.max_points, 1.0 * most_faces}));
 }

@@ -8,6 +8,7 @@
 #include "dovetail/mesh/quality.hpp"
 #include "dovetail/mesh/validate_domain.hpp"
 #include "support/domain_families.hpp"
+#include "support/failing_allocation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -247,6 +248,15 @@ TEST(Refine, AgainAndFurther) {
   expect_valid(further.mesh, domain.segments, 28);
   EXPECT_LE(greatest_area(further.mesh), 1e-3);
   EXPECT_EQ(checksum(refined(domain, 22).mesh), checksum(once.mesh));
+}
+
+/// Room is reserved before it is needed, and memory may be limited.
+TEST(Refine, NoRoomIsReservedThatOtherLimitsKeepFromBeingUsed) {
+  const Domain domain = constrained(square(0, 1));
+  const testing::FailingAllocation scarce(std::size_t{4} << 20, 0);
+  (void)refine(domain.mesh, domain.segments, {.max_area = 1e-8, .min_edge = 0.02});
+  (void)refine(domain.mesh, domain.segments, {.max_area = 1e-8, .max_points = 5'000});
+  EXPECT_FALSE(testing::FailingAllocation::has_struck());
 }
 
 TEST(Refine, LimitsAreKeptAndReported) {
