@@ -15,8 +15,8 @@ public:
   /// at no more than there are.
   TriangleHints(std::span<const Point> vertices, const Triangulation &mesh, std::span<const Point> points);
 
-  /// A triangle near to one of the points; `none` where the sample has none. Those that have been changed
-  /// since may be elsewhere.
+  /// A triangle of the sample in the cell of one of the points, or in the last cell before it that has any;
+  /// `none` where no cell up to there has. Those that have been changed since may be elsewhere.
   LocalIndex near(Point point) const { return cells_[cell(point)]; }
 
 private:

@@ -36,7 +36,8 @@ constexpr HalfEdge previous(HalfEdge h) { return face_side(h) == 0 ? h + 2 : h -
 
 struct Faces {
   std::vector<Face> faces;
-  /// By half-edge, valid where the bit of its side is set, and no longer than it takes for that.
+  /// By half-edge, valid where the bit of its side is set; it may end before the last half-edge, but not
+  /// before the last with that bit.
   std::vector<LocalIndex> segment_of;
 
   Face &face(LocalIndex t) { return faces[static_cast<std::size_t>(t)]; }
