@@ -43,6 +43,13 @@ struct Place {
 
 namespace visibility_walk {
 
+/// `yes` if so is 1, `no` if it is 0; without a branch.
+constexpr LocalIndex choose(int so, LocalIndex yes, LocalIndex no) { return no ^ ((yes ^ no) & -so); }
+
+inline Seen reversed(const Seen &seen) {
+  return {Pair{seen.x[1], seen.x[0]}, Pair{seen.y[1], seen.y[0]}, Pair{seen.lift[1], seen.lift[0]}};
+}
+
 template <class Locked> struct Walk {
   std::span<const Point> sites;
   const Triangulation &mesh;
@@ -100,54 +107,65 @@ template <class Locked> struct Walk {
     return false;
   }
 
-  /// Leaves it to `step` to go on; `end` are those of the side that was crossed last.
-  bool stop(const LocalIndex (&end)[2]) {
-    const LocalIndex tip = third_corner(mesh, triangle, end[0], end[1]);
+  /// Leaves it to `step` to go on, which came by the side between these ends.
+  bool stop(LocalIndex one, LocalIndex other) {
+    const LocalIndex tip = third_corner(mesh, triangle, one, other);
     entered = side_across(mesh, triangle, tip) - half_edge(triangle, 0);
     return false;
   }
 
   /// As many steps as the filter decides and nothing bars: each looks at one new corner. Returns true if the
   /// point is inside the triangle at which it ends; otherwise it is for `step` to go on.
+  ///
+  /// Which side has the point beyond is as good as random, so there is no branch on it: what lies beyond both
+  /// is looked up while the turns are computed, and then one of the two is chosen.
   bool stride() {
     const HalfEdge h = half_edge(triangle, entered == none ? 0 : entered);
     // Where h ends and begins: the other two sides go from end[0] to the tip and on to end[1].
     LocalIndex end[2] = {target(mesh, h), origin(mesh, h)};
-    Pair seen[2] = {see(end[0]), see(end[1])};
+    Seen seen = both(see(end[0]), see(end[1]));
     if (entered == none) {
-      const filter::Bounded turn = filter::turn(both(seen[1], seen[1]), both(seen[0], seen[0]));
+      const filter::Bounded turn = filter::turn(reversed(seen), seen);
       if (!(std::fabs(turn.value[0]) > turn.bound[0]))
         return false;
-      if (turn.value[0] < 0) { // h has the point beyond
-        const LocalIndex ahead = mesh.neighbours[position(h)];
-        if (ahead == none || locked(triangle, 0))
-          return false;
-        triangle = ahead;
-        std::swap(end[0], end[1]);
-        std::swap(seen[0], seen[1]);
-      }
+      const LocalIndex ahead = mesh.neighbours[position(h)];
+      const auto is_beyond = static_cast<int>(std::signbit(turn.value[0]));
+      if ((ahead == none || locked(triangle, 0)) && is_beyond != 0) // hardly ever barred
+        return false;
+      triangle = choose(is_beyond, ahead, triangle);
+      const LocalIndex last = end[0];
+      end[0] = choose(is_beyond, end[1], last);
+      end[1] = choose(is_beyond, last, end[1]);
+      const auto turned = (Pair{turn.value[0], turn.value[0]} < 0);
+      const Seen back = reversed(seen);
+      seen.x = turned ? back.x : seen.x;
+      seen.y = turned ? back.y : seen.y;
     }
     for (; steps_left > 0; --steps_left) {
       const LocalIndex tip = third_corner(mesh, triangle, end[0], end[1]);
-      const Pair tip_seen = see(tip);
-      const filter::Bounded turn = filter::turn(both(seen[0], seen[1]), both(tip_seen, tip_seen));
+      const HalfEdge side[2] = {side_across(mesh, triangle, end[0]), side_across(mesh, triangle, end[1])};
+      const LocalIndex beyond[2] = {mesh.neighbours[position(side[0])], mesh.neighbours[position(side[1])]};
+      const Pair at = see(tip);
+      const Seen tip_seen = both(at, at);
+      const filter::Bounded turn = filter::turn(seen, tip_seen);
       const auto decided = absolute(turn.value) > turn.bound;
       if ((decided[0] & decided[1]) == 0)
-        return stop(end);
-      // Which of the two sides has the point beyond is as good as random: no branch on it.
-      const auto first = static_cast<std::size_t>(std::signbit(turn.value[0]));
-      const auto second = 1 - static_cast<std::size_t>(std::signbit(turn.value[1]));
+        return stop(end[0], end[1]);
+      const auto first = static_cast<int>(std::signbit(turn.value[0]));
+      const auto second = 1 - static_cast<int>(std::signbit(turn.value[1]));
       if (first + second == 0)
         return true;
-      const HalfEdge side = side_across(mesh, triangle, end[first]);
-      const LocalIndex ahead = mesh.neighbours[position(side)];
-      if (ahead == none || locked(triangle, side - half_edge(triangle, 0)))
-        return stop(end);
+      const LocalIndex ahead = choose(first, beyond[1], beyond[0]);
+      if (ahead == none || locked(triangle, choose(first, side[1], side[0]) - half_edge(triangle, 0)))
+        return stop(end[0], end[1]);
       triangle = ahead;
-      end[first] = tip;
-      seen[first] = tip_seen;
+      end[0] = choose(first, end[0], tip);
+      end[1] = choose(first, tip, end[1]);
+      const auto stays = (Pair{turn.value[0], -turn.value[0]} < 0);
+      seen.x = stays ? seen.x : tip_seen.x;
+      seen.y = stays ? seen.y : tip_seen.y;
     }
-    return stop(end);
+    return stop(end[0], end[1]);
   }
 };
 
@@ -155,7 +173,8 @@ template <class Locked> struct Walk {
 
 /// The place of a point; `hint` is any triangle. On a locked edge is `edge`, at its ends `vertex`. `outside`
 /// means outside of the hull where the border is convex; `outside` and `blocked` mean elsewhere that the walk
-/// found no open way on. locked(triangle, side) must be the same from both sides of an edge.
+/// found no open way on. locked(triangle, side) must be the same from both sides of an edge;
+/// it is asked of sides that are crossed, and may be of side 0 of the hint in any case.
 template <class Locked = NothingLocked>
 Place locate(std::span<const Point> sites, const Triangulation &mesh, Point point, LocalIndex hint,
              const Locked &locked = {}) {
