@@ -49,6 +49,23 @@ Insertion insert_at(std::vector<Point> &sites, Triangulation &mesh, Point site, 
   return {vertex, star_triangle(memory, first_new, 0), true};
 }
 
+/// The edge of the boundary of a cavity that is in the direction of another point, as seen from its site; any
+/// if the site is on the border. Rounded, and good for a guess. Any edge is as likely: no branch on it.
+std::size_t edge_towards(std::span<const Point> sites, const Cavity &cavity, Point site, Point point) {
+  const double dx = point.x - site.x, dy = point.y - site.y;
+  const auto is_left = [&](LocalIndex vertex) {
+    const Point end = sites[position(vertex)];
+    return static_cast<std::size_t>(dx * (end.y - site.y) > dy * (end.x - site.x));
+  };
+  std::size_t towards = 0, from_is_left = is_left(cavity.edges.front().from);
+  for (std::size_t e = 0; e < cavity.edges.size(); ++e) {
+    const std::size_t to_is_left = is_left(cavity.edges[e].to);
+    towards ^= (towards ^ e) & (0 - (to_is_left & (1 - from_is_left)));
+    from_is_left = to_is_left;
+  }
+  return towards;
+}
+
 /// Points number order[0], order[1], ...
 std::vector<LocalIndex> insert_ordered(std::vector<Point> &sites, Triangulation &mesh,
                                        std::span<const Point> points, std::span<const LocalIndex> order) {
@@ -77,9 +94,13 @@ std::vector<LocalIndex> insert_ordered(std::vector<Point> &sites, Triangulation 
   Cavity memory;
   LocalIndex hint = none;
   for (; next != order.end(); ++next) {
-    const Insertion done = insert(sites, mesh, points[position(*next)], hint, memory);
+    const LocalIndex first_new = mesh.triangle_count();
+    const Point site = points[position(*next)];
+    const Insertion done = insert(sites, mesh, site, hint, memory);
     vertex_of_point[position(*next)] = done.vertex;
     hint = done.triangle;
+    if (done.is_new && next + 1 != order.end())
+      hint = star_triangle(memory, first_new, edge_towards(sites, memory, site, points[position(next[1])]));
   }
   return vertex_of_point;
 }
