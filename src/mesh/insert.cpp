@@ -66,6 +66,9 @@ std::size_t edge_towards(std::span<const Point> sites, const Cavity &cavity, Poi
   return towards;
 }
 
+/// The order jumps about in what is by point: so many insertions ahead it is asked for.
+constexpr std::ptrdiff_t points_ahead = 8;
+
 /// Points number order[0], order[1], ...
 std::vector<LocalIndex> insert_ordered(std::vector<Point> &sites, Triangulation &mesh,
                                        std::span<const Point> points, std::span<const LocalIndex> order) {
@@ -94,6 +97,11 @@ std::vector<LocalIndex> insert_ordered(std::vector<Point> &sites, Triangulation 
   Cavity memory;
   LocalIndex hint = none;
   for (; next != order.end(); ++next) {
+    if (order.end() - next > points_ahead) {
+      const std::size_t soon = position(next[points_ahead]);
+      __builtin_prefetch(&points[soon]);
+      __builtin_prefetch(&vertex_of_point[soon], 1);
+    }
     const LocalIndex first_new = mesh.triangle_count();
     const Point site = points[position(*next)];
     const Insertion done = insert(sites, mesh, site, hint, memory);
