@@ -24,11 +24,11 @@ struct Insertion {
 /// while all sites are collinear, O(sites). More sites than most_delaunay_sites are an Error (resource).
 Insertion insert(std::vector<Point> &sites, Triangulation &mesh, Point site, LocalIndex hint, Cavity &memory);
 
-/// Adds a batch, in the order of `space_filling_order` and each with the last one's triangle as a hint.
-/// Returns the vertex of every point, in the order given. New vertices are numbered as they come in, so that
-/// near ones lie near in memory; a point that equals a site, or an earlier one that was inserted, gets its
-/// number and is no new one. O(1) on average a point, once ordered; memory is reserved for all of them at
-/// once.
+/// Adds a batch, in the order of `space_filling_order` and each with a triangle of the last one as a hint,
+/// that which faces it. Returns the vertex of every point, in the order given. New vertices are numbered as
+/// they come in, so that near ones lie near in memory; a point that equals a site, or an earlier one that was
+/// inserted, gets its number and is no new one. O(1) on average a point, once ordered; memory is reserved for
+/// all of them at once.
 std::vector<LocalIndex> insert_batch(std::vector<Point> &sites, Triangulation &mesh,
                                      std::span<const Point> points);
 
