@@ -21,6 +21,7 @@
 
 #include <array>
 #include <memory>
+#include <new>
 
 namespace dovetail::cli {
 namespace {
@@ -180,6 +181,9 @@ Outcome refine_start(const RefineCommand &command, Start start, const Progress &
     problem.place = problem.subject;
     problem.subject = command.input;
     throw Error(problem);
+  } catch (const std::bad_alloc &) {
+    throw Error({ErrorKind::resource, command.input, "", "its triangles take more memory than there is",
+                 "allow larger ones (--max-area, --min-edge), or no more than fit (--max-points)"});
   }
   start.record.min_angle = options.min_angle;
   start.record.left_triangles.clear();

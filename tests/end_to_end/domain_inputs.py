@@ -6,6 +6,7 @@ mended must also verify against the file as it was, constrained and refined.
 
 import json
 import math
+import os
 import unittest
 
 import harness
@@ -73,6 +74,16 @@ class Inputs(harness.TestCase):
 
     def refused_text(self, extension, text, *says):
         self.refused(self.write(f"refused.{extension}", text), *says)
+
+    @unittest.skipIf(os.environ.get("DOVETAIL_SANITIZED") == "1", "AddressSanitizer needs terabytes of addresses")
+    def test_more_triangles_than_memory(self):
+        domain, mesh = self.write("a.poly", poly([], [])), self.folder / "refused.vtkhdf"
+        run = dovetail("refine", domain, "-o", mesh, "--max-area", 1e-8, memory_limit=1_000_000_000)
+        self.assertEqual(run.code, 1, run)
+        self.assertEqual(len(run.messages), 1, run)
+        for words in (str(domain), "more memory than there is", "--max-area", "--max-points"):
+            self.assertIn(words, run.messages[0])
+        self.assertFalse(mesh.exists(), run)
 
     # Segments in any condition
 

@@ -50,10 +50,11 @@ class Run:
 
 
 def dovetail(
-    *arguments, ranks=0, file_limit=None, unprivileged=False, cwd=None, timeout=TIMEOUT_S, stdout=subprocess.PIPE
+    *arguments, ranks=0, file_limit=None, memory_limit=None, unprivileged=False, cwd=None, timeout=TIMEOUT_S,
+    stdout=subprocess.PIPE
 ):
     """Runs the command on `ranks` ranks of mpirun, or without mpirun for 0. No file may grow beyond `file_limit`
-    bytes. `unprivileged`: file permissions hold, even for root."""
+    bytes, and no process beyond `memory_limit`. `unprivileged`: file permissions hold, even for root."""
     command = [COMMAND, *map(str, arguments)]
     if ranks:
         command = [MPIEXEC, "-n", str(ranks), *command]
@@ -63,6 +64,8 @@ def dovetail(
     def limit():
         if file_limit is not None:
             resource.setrlimit(resource.RLIMIT_FSIZE, (file_limit, file_limit))
+        if memory_limit is not None:
+            resource.setrlimit(resource.RLIMIT_AS, (memory_limit, memory_limit))
 
     completed = subprocess.run(
         command,
