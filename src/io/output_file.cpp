@@ -123,6 +123,10 @@ OutputFile::~OutputFile() {
   Ledger::forget(ledger().aside, aside_);
 }
 
+std::unique_lock<std::mutex> OutputFile::keep_from_being_abandoned() const {
+  return std::unique_lock(ledger().mutex);
+}
+
 void OutputFile::open() {
   if (descriptor_ >= 0)
     return;

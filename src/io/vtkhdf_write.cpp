@@ -212,8 +212,10 @@ vtkhdf::Skeleton prepare(const OutputFile &file, const DistributedMesh &mesh, co
                          const std::vector<std::string> &names) {
   vtkhdf::check_attribute_names(names, file.path());
   check_disk_space(file.path(), file.aside(), vtkhdf::estimated_bytes(mesh, extents, names));
-  vtkhdf::Skeleton skeleton =
-      with_hdf5(file, [&] { return vtkhdf::make_skeleton(file.aside(), mesh, extents, names); });
+  vtkhdf::Skeleton skeleton = with_hdf5(file, [&] {
+    const auto lock = file.keep_from_being_abandoned();
+    return vtkhdf::make_skeleton(file.aside(), mesh, extents, names);
+  });
   reserve_disk_space(file.path(), file.aside(), skeleton.file_bytes);
   return skeleton;
 }

@@ -13,6 +13,7 @@ import signal
 import subprocess
 import time
 import unittest
+import unittest.mock
 
 import harness
 from harness import COMMAND, FULL, MPIEXEC
@@ -20,6 +21,7 @@ from harness import COMMAND, FULL, MPIEXEC
 POINTS = 1_000_000 if FULL else 300_000
 SOON_S = 2  # mpirun itself takes one second to kill what it has asked to end
 ATTEMPTS = 12
+SLOW_DISK = os.environ.get("DOVETAIL_SLOW_DISK", "")
 LINE = re.compile(r"dovetail: interrupted(?: during (\w+))?; (.*)")
 
 
@@ -156,6 +158,16 @@ class Interrupts(harness.TestCase):
                 partial = output.with_name(output.name + ".partial")
                 run = Interrupted(arguments, ranks, 0, only=range(ranks) if ranks else None, once=partial)
                 self.assertTrue(self.check(run, output), run)
+
+    @unittest.skipUnless(SLOW_DISK, "a sanitizer does not let anything be loaded before it")
+    def test_what_was_removed_does_not_come_back(self):
+        output = self.folder / "output.vtkhdf"
+        partial = output.with_name(output.name + ".partial")
+        # Between the file's first appearance and its first contents there is time for the signal, and after its
+        # removal time to make it again.
+        with unittest.mock.patch.dict(os.environ, LD_PRELOAD=SLOW_DISK, DOVETAIL_TEST_REMOVAL="0.03"):
+            run = Interrupted(["triangulate", self.points, "-o", output], 0, 0, once=partial)
+        self.assertTrue(self.check(run, output), run)
 
     def test_triangulate_to_check(self):
         arguments = ["triangulate", self.points, "-o", "none"]

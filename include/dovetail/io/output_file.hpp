@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -44,6 +45,9 @@ public:
   const std::string &path() const { return path_; }
   /// Where it is until it is committed: output_target(path()) + ".partial", in the same folder as that.
   const std::string &aside() const { return aside_; }
+  /// Local. While the lock is held abandon_outputs waits. For another library that creates aside() anew:
+  /// otherwise the file might come back after it has been removed for good.
+  [[nodiscard]] std::unique_lock<std::mutex> keep_from_being_abandoned() const;
 
   /// Local: throws an Error, so call it inside `collectively`. Ranks' ranges must not overlap. Where the
   /// system can do that, waits while the disk is far behind: memory does not fill with what the disk has yet
