@@ -6,7 +6,6 @@ mended must also verify against the file as it was, constrained and refined.
 
 import json
 import math
-import os
 import unittest
 
 import harness
@@ -75,7 +74,7 @@ class Inputs(harness.TestCase):
     def refused_text(self, extension, text, *says):
         self.refused(self.write(f"refused.{extension}", text), *says)
 
-    @unittest.skipIf(os.environ.get("DOVETAIL_SANITIZED") == "1", "AddressSanitizer needs terabytes of addresses")
+    @unittest.skipIf(harness.SANITIZED, "AddressSanitizer needs terabytes of addresses")
     def test_more_triangles_than_memory(self):
         domain, mesh = self.write("a.poly", poly([], [])), self.folder / "refused.vtkhdf"
         run = dovetail("refine", domain, "-o", mesh, "--max-area", 1e-8, memory_limit=1_000_000_000)

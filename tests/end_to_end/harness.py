@@ -21,6 +21,8 @@ import uuid
 COMMAND = os.environ["DOVETAIL_COMMAND"]
 MPIEXEC = os.environ.get("DOVETAIL_MPIEXEC", "mpiexec")
 FULL = os.environ.get("DOVETAIL_FULL") == "1"
+SANITIZED = os.environ.get("DOVETAIL_SANITIZED") == "1"
+SLOW_DISK = os.environ.get("DOVETAIL_SLOW_DISK", "")  # to be preloaded; a sanitizer lets nothing be loaded before it
 CHECKOUT = pathlib.Path(__file__).resolve().parents[2]
 TIMEOUT_S = 120
 PROGRESS = re.compile(r"dovetail: \w+, [^;]* gone(,|$)")

@@ -16,12 +16,11 @@ import unittest
 import unittest.mock
 
 import harness
-from harness import COMMAND, FULL, MPIEXEC
+from harness import COMMAND, FULL, MPIEXEC, SLOW_DISK
 
 POINTS = 1_000_000 if FULL else 300_000
 SOON_S = 2  # mpirun itself takes one second to kill what it has asked to end
 ATTEMPTS = 12
-SLOW_DISK = os.environ.get("DOVETAIL_SLOW_DISK", "")
 LINE = re.compile(r"dovetail: interrupted(?: during (\w+))?; (.*)")
 
 

@@ -3,7 +3,6 @@ that keeps to the budget and falls as slabs rise; what cannot fit is refused bef
 nothing behind, however a run ends."""
 
 import hashlib
-import os
 import pathlib
 import random
 import signal
@@ -22,9 +21,7 @@ def digest(path):
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-measures_memory = unittest.skipIf(
-    os.environ.get("DOVETAIL_SANITIZED") == "1", "AddressSanitizer keeps what is freed, and adds its own"
-)
+measures_memory = unittest.skipIf(harness.SANITIZED, "AddressSanitizer keeps what is freed, and adds its own")
 
 
 class Memory(harness.TestCase):

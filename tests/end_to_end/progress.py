@@ -9,8 +9,8 @@ import time
 import unittest
 
 import harness
+from harness import SLOW_DISK
 
-SLOW_DISK = os.environ.get("DOVETAIL_SLOW_DISK", "")
 LINE = re.compile(r"dovetail: (\w+), (\d+) s gone(?:, (about|over) (\d+) % done(?:, (\d+) s left)?)?$")
 POINTS = 400_000 # so that a file is many buffers
 

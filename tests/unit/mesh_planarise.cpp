@@ -221,6 +221,7 @@ TEST(Planarise, NamesTheFirstCrossingThatItRefuses) {
   add(set, {2, 0}, {2, 2});
   add(set, {1, 0}, {1, -1});
   const Planarised result = planarise(set, CrossingRule::refuse);
+  ASSERT_TRUE(result.refused);
   const SegmentCrossing refused = result.refused.value_or(SegmentCrossing{});
   EXPECT_EQ(refused.first, 1);
   EXPECT_EQ(refused.second, 2);
