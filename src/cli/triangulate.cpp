@@ -22,6 +22,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <chrono>
 #include <map>
 #include <memory>
 #include <optional>
@@ -73,44 +74,63 @@ public:
   void finish(std::uint64_t, GlobalIndex) override {}
 };
 
-/// Slabs are made and written in turns: one stage of a run to who watches it.
+/// Slabs are made and written in turns: one stage of a run to who watches it. How its time is shared between
+/// the two is a matter of the disk, so it is measured.
 class SlabProgress {
 public:
-  explicit SlabProgress(Progress progress) : progress_(std::move(progress)) {}
+  SlabProgress(Progress progress, bool writes) : progress_(std::move(progress)), writes_(writes) {}
 
   Progress making() {
     return [this](std::string_view stage, double fraction) {
-      if (stage != "triangulate") {
-        over_ = made_ > 0;
-        return report_progress(progress_, stage, fraction);
-      }
-      made_ = fraction;
-      tell();
+      if (stage == "triangulate")
+        return tell(making_, fraction);
+      over_ = making_.done > 0;
+      report_progress(progress_, stage, fraction);
     };
   }
   Progress writing() {
-    return [this](std::string_view, double fraction) {
-      written_ = fraction;
-      tell();
-    };
+    return [this](std::string_view, double fraction) { tell(writing_, fraction); };
   }
 
 private:
-  void tell() const {
-    constexpr double share_of_making = 0.8; // of the time, on a disk that is fast enough
+  using Clock = std::chrono::steady_clock;
+  struct Part {
+    double done = 0; ///< 0 to 1
+    Clock::duration took = {};
+  };
+
+  void tell(Part &part, double fraction) {
+    const Clock::time_point now = Clock::now();
+    if (fraction > 0)
+      part.took += now - last_;
+    part.done = fraction;
+    last_ = now;
     if (!over_)
-      report_progress(progress_, "triangulate", share_of_making * made_ + (1 - share_of_making) * written_);
+      report_progress(progress_, "triangulate", fraction_done());
+  }
+
+  /// As if both went on as they did; nothing before something is known of both.
+  double fraction_done() const {
+    if (!writes_)
+      return making_.done;
+    if (making_.done <= 0 || writing_.done <= 0)
+      return 0;
+    const auto seconds = [](const Part &part) { return std::chrono::duration<double>(part.took).count(); };
+    const double all = seconds(making_) / making_.done + seconds(writing_) / writing_.done;
+    return (seconds(making_) + seconds(writing_)) / all;
   }
 
   Progress progress_;
-  double made_ = 0, written_ = 0;
+  bool writes_;
+  Part making_, writing_;
+  Clock::time_point last_; ///< when something was told
   bool over_ = false;
 };
 
 /// Into a file that takes slabs one by one, or only counted.
 void stream_phases(const TriangulateCommand &command, const Communicator &comm, PointFiles &files,
                    const Plan &plan, TriangulateOptions options, Outcome &outcome) {
-  SlabProgress progress(options.slabs.progress);
+  SlabProgress progress(options.slabs.progress, command.writes());
   options.slabs.progress = progress.making();
   NoSink nowhere;
   const auto sink = command.writes() ? mesh_sink(command.output, {.progress = progress.writing()}) : nullptr;
