@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <new>
 #include <utility>
 
 namespace dovetail::cli {
@@ -61,6 +62,43 @@ std::string stray_text(const char *what, const std::vector<StraySeed> &strays) {
                      joined(reasons, ", "));
 }
 
+/// A want of memory in `work` is told of the domain: where there is one rank, more of them do not help.
+template <class Work> auto within_memory(const std::string &path, Work &&work) {
+  try {
+    return std::forward<Work>(work)();
+  } catch (const std::bad_alloc &) {
+    throw Error({ErrorKind::resource, path, "", "the domain takes more memory than there is",
+                 "mesh it in parts, or where there is more"});
+  }
+}
+
+/// As domain_of_file(), of what was read.
+DomainJob job_of(DomainFile file, const DomainOptions &options) {
+  if (options.holes != HoleRule::by_format)
+    file.set.even_odd = options.holes == HoleRule::even_odd;
+  DomainJob job;
+  job.input = file.path;
+  job.given_vertices = std::ssize(file.set.vertices);
+  job.given_segments = std::ssize(file.set.segments);
+  job.closed_rings = file.closed_rings;
+  if (file.heights > 0)
+    job.notices.push_back(
+        fmt::format("{} left out: domains are flat", counted(file.heights, "height", "heights")));
+  if (!file.set.holes.empty() && options.holes == HoleRule::even_odd)
+    job.notices.push_back("seeds of holes count beside even-odd nesting");
+  try {
+    job.planar = planarise(file.set, options.crossings);
+  } catch (const Error &error) {
+    Problem problem = error.problem();
+    problem.subject = file.path;
+    throw Error(problem);
+  }
+  if (job.planar.refused)
+    refuse_crossing(file, *job.planar.refused);
+  describe_vertices(file, job);
+  return job;
+}
+
 } // namespace
 
 void add_domain_options(CLI::App &parser, DomainOptions &options) {
@@ -82,34 +120,11 @@ void require_one_rank(const Session &session, const std::string &subcommand) {
 }
 
 DomainJob domain_of_file(const std::string &path, const DomainOptions &options) {
-  DomainFile file = read_domain(path);
-  if (options.holes != HoleRule::by_format)
-    file.set.even_odd = options.holes == HoleRule::even_odd;
-  DomainJob job;
-  job.input = path;
-  job.given_vertices = std::ssize(file.set.vertices);
-  job.given_segments = std::ssize(file.set.segments);
-  job.closed_rings = file.closed_rings;
-  if (file.heights > 0)
-    job.notices.push_back(
-        fmt::format("{} left out: domains are flat", counted(file.heights, "height", "heights")));
-  if (!file.set.holes.empty() && options.holes == HoleRule::even_odd)
-    job.notices.push_back("seeds of holes count beside even-odd nesting");
-  try {
-    job.planar = planarise(file.set, options.crossings);
-  } catch (const Error &error) {
-    Problem problem = error.problem();
-    problem.subject = path;
-    throw Error(problem);
-  }
-  if (job.planar.refused)
-    refuse_crossing(file, *job.planar.refused);
-  describe_vertices(file, job);
-  return job;
+  return within_memory(path, [&] { return job_of(read_domain(path), options); });
 }
 
 Constrained constrain_domain(DomainJob &job, const ConstrainOptions &options) {
-  Constrained result = constrain(job.planar.graph, options);
+  Constrained result = within_memory(job.input, [&] { return constrain(job.planar.graph, options); });
   if (result.mesh.triangles.triangle_count() == 0) {
     const GlobalIndex ends = job.planar.repairs.hanging_ends;
     throw Error(

@@ -45,11 +45,11 @@ struct DomainJob {
 void require_one_rank(const Session &session, const std::string &subcommand);
 
 /// Reads a domain file and brings it in order. Errors (input): as read_domain and planarise, and crossing
-/// segments that --crossings refuses.
+/// segments that --crossings refuses; (resource): out of memory.
 DomainJob domain_of_file(const std::string &path, const DomainOptions &options);
 
-/// As above, of the graph's constrained triangulation; notices seeds without effect. Error (input): no
-/// triangle is left.
+/// As above, of the graph's constrained triangulation; notices seeds without effect. Errors (input): no
+/// triangle is left; (resource): out of memory.
 Constrained constrain_domain(DomainJob &job, const ConstrainOptions &options);
 
 /// The record of a mesh made from a graph.

@@ -84,6 +84,24 @@ class Inputs(harness.TestCase):
             self.assertIn(words, run.messages[0])
         self.assertFalse(mesh.exists(), run)
 
+    @unittest.skipIf(harness.SANITIZED, "AddressSanitizer needs terabytes of addresses")
+    def test_more_segments_than_memory(self):
+        count = 800_000
+        with open(self.folder / "long.poly", "w") as file:
+            file.write(f"{count} 2 0 0\n")
+            file.writelines(f"{i} {i} {i % 7}\n" for i in range(count))
+            file.write(f"{count - 1} 0\n")
+            file.writelines(f"{i} {i} {i + 1}\n" for i in range(count - 1))
+            file.write("0\n")
+        mesh = self.folder / "refused.vtkhdf"
+        for command in self.commands:
+            run = dovetail(command, self.folder / "long.poly", "-o", mesh, "--convex", memory_limit=350_000_000)
+            self.assertEqual(run.code, 1, run)
+            self.assertEqual(len(run.messages), 1, run)
+            for words in ("long.poly", "more memory than there is", "in parts"):
+                self.assertIn(words, run.messages[0])
+            self.assertFalse(mesh.exists(), run)
+
     # Segments in any condition
 
     def test_nothing_to_mend(self):
