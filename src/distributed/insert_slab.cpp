@@ -60,9 +60,25 @@ public:
       : points_(slab.points()), triangles_(slab.triangles()),
         hints_(points_, triangles_, std::span(points_).subspan(at(slab.first_new()))) {}
 
-  void insert(LocalIndex vertex) {
+  /// Looks where all of them lie before the first is inserted: `vertices` should be so few that this stays in
+  /// the cache, and that the triangles around most of them are still the same when it is their turn.
+  void insert(std::span<const LocalIndex> vertices) {
+    std::vector<Point> sites;
+    std::ranges::transform(vertices, std::back_inserter(sites), [&](LocalIndex v) { return points_[at(v)]; });
+    const std::vector<LocalIndex> hints = hints_.near(points_, triangles_, sites);
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      insert(vertices[i], hints[i]);
+  }
+
+  std::uint64_t checksum_change() const { return checksum_change_; }
+  /// Triangles that have been made; some of them may be gone again.
+  std::span<const LocalIndex> changed() const { return changed_; }
+
+private:
+  void insert(LocalIndex vertex, LocalIndex hint) {
     const Point site = points_[at(vertex)];
-    const Place place = locate(points_, triangles_, site, hint_for(site), WalkLimit{triangles_});
+    const LocalIndex begin = distance(last_, site) < distance(hint, site) ? last_ : hint;
+    const Place place = locate(points_, triangles_, site, begin, WalkLimit{triangles_});
     if (place.kind == PlaceKind::vertex)
       refuse_mesh(fmt::format("triangle {} of a slab", place.triangle), "has a corner that is no site");
     const SoundSides sound{points_, triangles_};
@@ -78,18 +94,6 @@ public:
     count(star_, true);
     changed_.insert(changed_.end(), star_.begin(), star_.end());
     last_ = star_.front();
-  }
-
-  std::uint64_t checksum_change() const { return checksum_change_; }
-  /// Triangles that have been made; some of them may be gone again.
-  std::span<const LocalIndex> changed() const { return changed_; }
-
-private:
-  /// Of the sampled triangle and that of the site before the nearer one: where sites crowd or are many, the
-  /// site before is near; where they are few, the sample.
-  LocalIndex hint_for(Point site) const {
-    const LocalIndex sampled = hints_.near(site);
-    return sampled == none || distance(last_, site) < distance(sampled, site) ? last_ : sampled;
   }
 
   /// Between a corner of the triangle and the site: good for a guess.
@@ -165,8 +169,13 @@ NewTriangles insert_new_vertices(GrowingSlab &slab, LocalIndex beyond, const Sla
   result.checksum_change += checksum_of_triangles(
       slab.points(), std::span(std::as_const(triangles.corners)).subspan(3 * at(beyond)));
   SlabInsertion insertion(slab);
-  for (const LocalIndex i : space_filling_order(std::span(slab.points()).subspan(at(slab.first_new()))))
-    insertion.insert(slab.first_new() + i);
+  std::vector<LocalIndex> order = space_filling_order(std::span(slab.points()).subspan(at(slab.first_new())));
+  for (LocalIndex &vertex : order)
+    vertex += slab.first_new();
+  constexpr std::size_t at_a_time = 1024;
+  for (std::size_t begin = 0; begin < order.size(); begin += at_a_time)
+    insertion.insert(
+        std::span(std::as_const(order)).subspan(begin, std::min(at_a_time, order.size() - begin)));
   result.checksum_change += insertion.checksum_change();
 
   std::vector<LocalIndex> suspicious;
