@@ -149,10 +149,30 @@ bool is_outside(const GrowingSlab &slab, const SlabLines &lines, const LocalInde
          !lines.hold_circumcenter(points[at(corners[0])], points[at(corners[1])], points[at(corners[2])]);
 }
 
+/// A slab that is made anew meets none of its old triangles, and what is wrong with them would stay in the
+/// sum that is the checksum. So all are looked at: whether they are counter-clockwise, agree on the edges
+/// between them and are locally Delaunay.
+void require_delaunay(const GrowingSlab &slab, const Triangulation &triangles) {
+  const std::vector<Point> &points = slab.points();
+  const SoundSides sound{points, triangles};
+  for (LocalIndex t = 0; t < triangles.triangle_count(); ++t) {
+    sound.require_counter_clockwise(t);
+    const LocalIndex *corner = &triangles.corners[3 * at(t)];
+    for (int side = 0; side < 3; ++side) {
+      const HalfEdge beyond = sound_twin(triangles, half_edge(t, side));
+      if (beyond != none && triangle_of(beyond) > t && // both circles hold an apex, or neither does
+          in_circle(points[at(corner[0])], points[at(corner[1])], points[at(corner[2])],
+                    points[at(apex(triangles, beyond))]) == Sign::positive)
+        refuse_mesh(fmt::format("triangle {} of a slab", t), "is not Delaunay");
+    }
+  }
+}
+
 /// All sites are triangulated from scratch.
 NewTriangles triangulate_anew(GrowingSlab &slab, const SlabLines &lines) {
   Triangulation &triangles = slab.triangles();
   NewTriangles result;
+  require_delaunay(slab, triangles);
   result.checksum_change -= checksum_of_triangles(slab.points(), triangles.corners);
   triangles = delaunay(slab.points());
   result.checksum_change += checksum_of_triangles(slab.points(), triangles.corners);
