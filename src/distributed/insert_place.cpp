@@ -189,8 +189,8 @@ MergedPoint settle_equal(PointTable &points, std::size_t row, DuplicateRule rule
 /// every step.
 std::vector<std::size_t> first_not_less(std::span<const Point> sites, std::span<const Point> points,
                                         TotalOrder less) {
-  constexpr std::size_t side_by_side = 256;
-  std::vector<std::size_t> places; // so many sites are known to be less
+  constexpr std::size_t side_by_side = 16; // as many as memory answers at a time
+  std::vector<std::size_t> places;         // so many sites are known to be less
   places.reserve(points.size());
   std::size_t low = 0;
   for (std::size_t begin = 0; begin < points.size(); begin = places.size()) {
@@ -202,7 +202,7 @@ std::vector<std::size_t> first_not_less(std::span<const Point> sites, std::span<
       const std::size_t half = (left + 1) / 2;
       for (std::size_t i = 0; i < group.size(); ++i) {
         std::size_t &place = places[begin + i];
-        place += less(sites[place + half - 1], group[i]) ? half : 0;
+        place += half * static_cast<std::size_t>(less(sites[place + half - 1], group[i]));
       }
       left -= half;
     }
