@@ -47,9 +47,20 @@ GrowingSlab::GrowingSlab(SlabMesh &slab, const Growth &growth)
   on_path_.assign(points.size(), false);
   for (const auto &[number, vertex] : foreign_)
     on_path_[at(vertex)] = true;
-  for (const Path *path : {&paths.old_left, &paths.old_right, &paths.left, &paths.right})
-    for (const PathSite &site : *path)
+  mark_path(paths.left, {});
+  mark_path(paths.right, {});
+  mark_path(paths.old_left, paths.left);
+  mark_path(paths.old_right, paths.right);
+}
+
+void GrowingSlab::mark_path(const Path &path, const Path &marked) {
+  auto same = marked.begin();
+  for (const PathSite &site : path) {
+    while (same != marked.end() && along(same->point, growth_.axis) < along(site.point, growth_.axis))
+      ++same;
+    if (same == marked.end() || same->number != site.number)
       on_path_[at(vertex_of(site.number))] = true;
+  }
 }
 
 void GrowingSlab::append_foreign(std::initializer_list<const Path *> paths) {
@@ -77,16 +88,17 @@ void GrowingSlab::append_foreign(std::initializer_list<const Path *> paths) {
 LocalIndex GrowingSlab::vertex_of(GlobalIndex number) const {
   if (!is_own(number))
     return std::lower_bound(foreign_.begin(), foreign_.end(), std::pair(number, LocalIndex{0}))->second;
-  // New site j becomes own site places[j] + j, which ascends.
+  // New site j becomes own site places[j] + j, which ascends. Numbers come in no order, so there is no branch
+  // on which half has it.
   const auto place = static_cast<LocalIndex>(number - first_site_);
-  std::size_t low = 0, high = arrivals_.places.size();
-  while (low < high) {
-    const std::size_t middle = low + (high - low) / 2;
-    (arrivals_.place_of_new(middle) < place ? low : high) =
-        arrivals_.place_of_new(middle) < place ? middle + 1 : middle;
+  std::size_t before = 0; // new sites that are known to have lower numbers
+  for (std::size_t left = arrivals_.places.size(); left > 0;) {
+    const std::size_t half = (left + 1) / 2;
+    before += arrivals_.place_of_new(before + half - 1) < place ? half : 0;
+    left -= half;
   }
-  const auto j = static_cast<LocalIndex>(low);
-  const bool is_new = low < arrivals_.places.size() && arrivals_.place_of_new(low) == place;
+  const auto j = static_cast<LocalIndex>(before);
+  const bool is_new = before < arrivals_.places.size() && arrivals_.place_of_new(before) == place;
   return is_new ? first_new_ + j : place - j;
 }
 
@@ -102,15 +114,9 @@ std::vector<LocalIndex> GrowingSlab::places_behind_own() const {
 
 std::vector<std::size_t> GrowingSlab::renumber_corners() {
   const VertexMoves moves(arrivals_, old_own(), places_behind_own());
-  std::vector<std::size_t> with_ghosts;
   const std::span<LocalIndex> corners = slab_.triangles.corners;
-  for (std::size_t c = 0; c < corners.size(); c += 3) {
-    if (!moves.move(corners.subspan(c).first<3>()))
-      continue;
-    for (std::size_t corner = c; corner < c + 3; ++corner)
-      if (corners[corner] >= new_own())
-        with_ghosts.push_back(corner);
-  }
+  std::vector<std::size_t> with_ghosts = moves.move(corners);
+  std::erase_if(with_ghosts, [&](std::size_t c) { return corners[c] < new_own(); });
   return with_ghosts;
 }
 

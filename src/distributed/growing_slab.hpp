@@ -44,6 +44,8 @@ private:
   /// What the vertices behind the old own ones become: own sites in the total order, then all foreign ones by
   /// number.
   std::vector<LocalIndex> places_behind_own() const;
+  /// Notes which vertices are on the path; most of them are on `marked` too, whose are noted already.
+  void mark_path(const Path &path, const Path &marked);
   /// Appends those sites of the paths that are not there yet.
   void append_foreign(std::initializer_list<const Path *> paths);
   /// Returns where in the corners the foreign ones are.

@@ -79,9 +79,16 @@ Borders borders_of(const Communicator &comm, const DistributedMesh &mesh) {
 /// Collective. The first index that no point of the mesh's own input can have had.
 GlobalIndex first_free_index(const Communicator &comm, const DistributedMesh &mesh) {
   GlobalIndex highest = mesh.digest.points - 1;
-  for (const SlabMesh &slab : mesh.slabs)
-    for (const GlobalIndex index : slab.vertices.input_index)
-      highest = std::max(highest, index);
+  for (const SlabMesh &slab : mesh.slabs) {
+    // Hardly ever is one higher, which is found out for all at the speed of memory: by the sign of what lies
+    // between. A negative index, as no sound mesh has it, may seem higher and does no harm.
+    const std::vector<GlobalIndex> &indices = slab.vertices.input_index;
+    std::uint64_t distances = 0;
+    for (const GlobalIndex index : indices)
+      distances |= static_cast<std::uint64_t>(highest) - static_cast<std::uint64_t>(index);
+    if (distances >> 63 != 0)
+      highest = std::max(highest, std::ranges::max(indices));
+  }
   for (const Duplicate &duplicate : mesh.duplicates)
     highest = std::max(highest, duplicate.input_index);
   return all_reduce_max(comm, highest) + 1;
@@ -177,15 +184,31 @@ MergedPoint settle_equal(PointTable &points, std::size_t row, DuplicateRule rule
   return replaced;
 }
 
-/// The first of sites[from], sites[from + 1], ... that is not less than p: near to `from` in few steps.
-std::size_t first_not_less(std::span<const Point> sites, std::size_t from, Point p, TotalOrder less) {
-  std::size_t step = 1, low = from;
-  while (low + step < sites.size() && less(sites[low + step], p)) {
-    low += step;
-    step *= 2;
+/// For each of ascending points the first of ascending sites that is not less. Some hundred searches go on
+/// side by side, between the places of the first and the last of them: one alone would wait for memory at
+/// every step.
+std::vector<std::size_t> first_not_less(std::span<const Point> sites, std::span<const Point> points,
+                                        TotalOrder less) {
+  constexpr std::size_t side_by_side = 16; // as many as memory answers at a time
+  std::vector<std::size_t> places;         // so many sites are known to be less
+  places.reserve(points.size());
+  std::size_t low = 0;
+  for (std::size_t begin = 0; begin < points.size(); begin = places.size()) {
+    const auto group = points.subspan(begin, std::min(side_by_side, points.size() - begin));
+    const auto rest = sites.subspan(low);
+    const auto high = at(std::ranges::lower_bound(rest, group.back(), less) - rest.begin());
+    places.resize(begin + group.size(), low);
+    for (std::size_t left = high; left > 0;) {
+      const std::size_t half = (left + 1) / 2;
+      for (std::size_t i = 0; i < group.size(); ++i) {
+        std::size_t &place = places[begin + i];
+        place += half * static_cast<std::size_t>(less(sites[place + half - 1], group[i]));
+      }
+      left -= half;
+    }
+    low += high;
   }
-  const auto end = sites.begin() + static_cast<std::ptrdiff_t>(std::min(low + step + 1, sites.size()));
-  return at(std::lower_bound(sites.begin() + static_cast<std::ptrdiff_t>(low), end, p, less) - sites.begin());
+  return places;
 }
 
 /// Local. Finds the new sites among this rank's points, which are sorted and distinct.
@@ -200,17 +223,19 @@ Placement find_new_sites(PointTable &&points, const Borders &borders, DuplicateR
     placement.begins.push_back(kept);
     const auto own = std::span(std::as_const(slab).vertices.points).first(at(slab.own_count));
     const std::size_t beyond = at(mesh.first_slab) + k + 1;
-    for (std::size_t place = 0; row < table.points.size(); ++row) {
+    const auto rows = std::span(std::as_const(table.points)).subspan(row);
+    const auto end = beyond <= borders.keys.size()
+                         ? std::ranges::lower_bound(rows, borders.keys[beyond - 1], borders.less)
+                         : rows.end();
+    for (const std::size_t place : first_not_less(own, {rows.begin(), end}, borders.less)) {
       const Point p = table.points[row];
-      if (beyond <= borders.keys.size() && !borders.less(p, borders.keys[beyond - 1]))
-        break;
-      place = first_not_less(own, place, p, borders.less);
       if (place < own.size() && own[place] == p) {
         merged.push_back(settle_equal(table, row, rule, slab.vertices, place));
       } else {
         move_row(table, row, kept++);
         placement.places.push_back(static_cast<LocalIndex>(place));
       }
+      ++row;
     }
   }
   placement.begins.push_back(kept);
@@ -250,8 +275,8 @@ GlobalIndex number_at(Point p, const Borders &borders, const DistributedMesh &me
   if (found != added.end() && *found == p)
     return placement.site_offsets[s] + arrivals.place_of_new(at(found - added.begin()));
   const SlabMesh &slab = mesh.slabs[k];
-  const std::size_t v =
-      first_not_less(std::span(slab.vertices.points).first(at(slab.own_count)), 0, p, borders.less);
+  const auto own = std::span(slab.vertices.points).first(at(slab.own_count));
+  const auto v = std::ranges::lower_bound(own, p, borders.less) - own.begin();
   return placement.site_offsets[s] + arrivals.place_of_old(static_cast<LocalIndex>(v));
 }
 

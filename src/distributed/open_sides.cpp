@@ -31,13 +31,13 @@ HalfEdge sound_twin(const Triangulation &triangles, HalfEdge h) {
   const LocalIndex beyond = triangles.neighbours[position(h)];
   if (beyond == none)
     return none;
-  for (int side = 0; side < 3; ++side)
-    if (const HalfEdge across = half_edge(beyond, side);
-        triangles.neighbours[position(across)] == triangle_of(h) &&
-        origin(triangles, across) == target(triangles, h) &&
-        target(triangles, across) == origin(triangles, h))
-      return across;
-  refuse("two triangles do not agree that they are neighbours");
+  // Any of its sides is as likely, so it is found without a branch; it is the fourth of three if two sides
+  // have the same triangle beyond, as none do in the plane.
+  const HalfEdge across = half_edge_towards(triangles, beyond, triangle_of(h));
+  if (across == half_edge(beyond, 3) || triangles.neighbours[position(across)] != triangle_of(h) ||
+      origin(triangles, across) != target(triangles, h) || target(triangles, across) != origin(triangles, h))
+    refuse("two triangles do not agree that they are neighbours");
+  return across;
 }
 
 HalfEdge open_side_after(const Triangulation &triangles, HalfEdge h) {
@@ -59,6 +59,10 @@ std::vector<LocalIndex> open_sides(const Triangulation &triangles) {
 std::vector<LocalIndex> open_sides_around(const Triangulation &triangles, std::span<const LocalIndex> some) {
   std::vector<bool> seen(triangles.neighbours.size(), false);
   std::vector<LocalIndex> sides;
+  for (const LocalIndex start : some) { // on the way each step would wait for memory
+    __builtin_prefetch(&triangles.neighbours[position(start)]);
+    __builtin_prefetch(&triangles.corners[position(start)]);
+  }
   for (const LocalIndex start : some)
     for (HalfEdge side = start; !seen[position(side)]; side = open_side_after(triangles, side)) {
       seen[position(side)] = true;

@@ -5,7 +5,8 @@
 #include "dovetail/mesh/half_edge.hpp"
 #include "open_sides.hpp"
 
-#include <tuple>
+#include <algorithm>
+#include <cstdint>
 
 namespace dovetail::insertion {
 namespace {
@@ -41,20 +42,22 @@ void append(const Triangulation &part, const Path &path, GrowingSlab &slab) {
 
 /// An edge with a triangle on one of its sides.
 struct OpenEdge {
-  LocalIndex low, high; ///< its ends
+  std::uint64_t ends; ///< the lower one above the higher one
   HalfEdge side;
 };
 
 /// Joins the triangles on both sides of an edge, of which `open` lists the sides without a neighbour.
 void join_open_sides(Triangulation &triangles, std::span<const HalfEdge> open) {
   std::vector<OpenEdge> edges;
+  edges.reserve(open.size());
   for (const HalfEdge side : open) {
     const auto [low, high] = std::minmax({origin(triangles, side), target(triangles, side)});
-    edges.push_back({low, high, side});
+    edges.push_back(
+        {std::uint64_t{static_cast<std::uint32_t>(low)} << 32 | static_cast<std::uint32_t>(high), side});
   }
-  std::ranges::sort(edges, {}, [](const OpenEdge &e) { return std::tuple(e.low, e.high, e.side); });
+  std::ranges::sort(edges, {}, &OpenEdge::ends);
   for (std::size_t i = 1; i < edges.size(); ++i)
-    if (edges[i].low == edges[i - 1].low && edges[i].high == edges[i - 1].high) {
+    if (edges[i].ends == edges[i - 1].ends) {
       triangles.neighbours[at(edges[i - 1].side)] = triangle_of(edges[i].side);
       triangles.neighbours[at(edges[i].side)] = triangle_of(edges[i - 1].side);
     }

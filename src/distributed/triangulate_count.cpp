@@ -43,6 +43,20 @@ public:
     return foreign_[i - own_.size()];
   }
 
+  /// Calls visit(site) for every one, in the total order or backwards.
+  template <class Visit> void for_each(bool forwards, Visit &&visit) const {
+    const auto run = [&](std::size_t begin, std::size_t end, auto &&site) {
+      for (std::size_t k = 0; k < end - begin; ++k)
+        visit(site(forwards ? begin + k : end - 1 - k));
+    };
+    const auto own = [&](std::size_t v) { return PathSite{own_[v], first_ + static_cast<GlobalIndex>(v)}; };
+    const auto foreign = [&](std::size_t i) { return foreign_[i]; };
+    const std::size_t beyond = foreign_.size();
+    forwards ? run(0, before_, foreign) : run(before_, beyond, foreign);
+    run(0, own_.size(), own);
+    forwards ? run(before_, beyond, foreign) : run(0, before_, foreign);
+  }
+
 private:
   std::span<const Point> own_;
   GlobalIndex first_;
@@ -62,11 +76,10 @@ bool all_collinear(const Sites &sites) {
 /// sites included. From the first (last) site of all in the total order the chain goes both ways, up and
 /// down, and never back in `across`: so only a site that is lower or higher than all before it can be on it.
 Path hull_chain(const Sites &sites, Axis axis, bool lower_side) {
-  const auto nth = [&](std::size_t i) { return sites[lower_side ? i : sites.count() - 1 - i]; };
-  Path downwards{nth(0)}, upwards;
-  double lowest = along(nth(0).point, axis), highest = lowest;
-  for (std::size_t i = 1; i < sites.count(); ++i) {
-    const PathSite site = nth(i);
+  const PathSite first = sites[lower_side ? 0 : sites.count() - 1];
+  Path downwards{first}, upwards;
+  double lowest = along(first.point, axis), highest = lowest;
+  sites.for_each(lower_side, [&](const PathSite &site) {
     const double row = along(site.point, axis);
     if (row < lowest) {
       downwards.push_back(site);
@@ -75,7 +88,7 @@ Path hull_chain(const Sites &sites, Axis axis, bool lower_side) {
       upwards.push_back(site);
       highest = row;
     }
-  }
+  });
   std::ranges::reverse(downwards);
   downwards.insert(downwards.end(), upwards.begin(), upwards.end());
 
@@ -126,40 +139,60 @@ Numbers ends_of_single_edges(const Numbers &left, const Numbers &right) {
   return ends;
 }
 
+/// What bounds a slab on both sides, each from below to above.
+struct Chains {
+  Numbers left, right;
+};
+
+/// Empty if the slab has no triangles at all.
+Chains chains_around(const Sites &sites, const Path &left, const Path &right, Axis axis) {
+  if (sites.count() < 3 || all_collinear(sites))
+    return {};
+  const Path left_core = left.empty() ? hull_chain(sites, axis, true) : left;
+  const Path right_core = right.empty() ? hull_chain(sites, axis, false) : right;
+  Chains chains{row_between(sites, axis, left_core.front(), right_core.front()), numbers_of(right_core)};
+  std::ranges::reverse(chains.left);
+  std::ranges::copy(numbers_of(left_core), std::back_inserter(chains.left));
+  std::ranges::copy(row_between(sites, axis, left_core.back(), right_core.back()),
+                    std::back_inserter(chains.left));
+  return chains;
+}
+
+GlobalIndex ghosts_of(const Sites &sites, const Chains &chains) {
+  const Numbers used = ends_of_single_edges(chains.left, chains.right);
+  return std::ranges::count_if(used, [&](GlobalIndex number) { return !sites.is_own(number); });
+}
+
+GlobalIndex triangles_inside(const Sites &sites, GlobalIndex own_count, Chains &&chains) {
+  if (chains.right.empty())
+    return 0;
+  const auto edges = static_cast<GlobalIndex>(chains.left.size() + chains.right.size()) - 2;
+  std::ranges::sort(chains.left);
+  std::ranges::sort(chains.right);
+  Numbers border;
+  std::ranges::set_union(chains.left, chains.right, std::back_inserter(border));
+  const auto common = static_cast<GlobalIndex>(chains.left.size() + chains.right.size() - border.size());
+  const auto is_own = [&](GlobalIndex number) { return sites.is_own(number); };
+  const auto inside = own_count - std::ranges::count_if(border, is_own);
+  return edges + 2 * inside - 2 * (common - 1);
+}
+
 } // namespace
 
 SlabCounts counts_between(std::span<const Point> own_sites, GlobalIndex first_site, const Path &left,
                           const Path &right, Axis axis) {
   const Sites sites(own_sites, first_site, left, right);
-  if (sites.count() < 3 || all_collinear(sites))
-    return {};
-  const Path left_core = left.empty() ? hull_chain(sites, axis, true) : left;
-  const Path right_core = right.empty() ? hull_chain(sites, axis, false) : right;
-  Numbers right_chain = numbers_of(right_core);
-  Numbers left_chain = row_between(sites, axis, left_core.front(), right_core.front());
-  std::ranges::reverse(left_chain);
-  std::ranges::copy(numbers_of(left_core), std::back_inserter(left_chain));
-  std::ranges::copy(row_between(sites, axis, left_core.back(), right_core.back()),
-                    std::back_inserter(left_chain));
-  const auto is_own = [&](GlobalIndex number) { return sites.is_own(number); };
+  Chains chains = chains_around(sites, left, right, axis);
   SlabCounts counts;
-  const Numbers used = ends_of_single_edges(left_chain, right_chain);
-  counts.ghosts = std::ssize(used) - std::ranges::count_if(used, is_own);
-
-  const auto edges = static_cast<GlobalIndex>(left_chain.size() + right_chain.size()) - 2;
-  std::ranges::sort(left_chain);
-  std::ranges::sort(right_chain);
-  Numbers border;
-  std::ranges::set_union(left_chain, right_chain, std::back_inserter(border));
-  const auto common = static_cast<GlobalIndex>(left_chain.size() + right_chain.size() - border.size());
-  const auto inside = std::ssize(own_sites) - std::ranges::count_if(border, is_own);
-  counts.triangles = edges + 2 * inside - 2 * (common - 1);
+  counts.ghosts = ghosts_of(sites, chains);
+  counts.triangles = triangles_inside(sites, std::ssize(own_sites), std::move(chains));
   return counts;
 }
 
 GlobalIndex triangles_between(std::span<const Point> own_sites, GlobalIndex first_site, const Path &left,
                               const Path &right, Axis axis) {
-  return counts_between(own_sites, first_site, left, right, axis).triangles;
+  const Sites sites(own_sites, first_site, left, right);
+  return triangles_inside(sites, std::ssize(own_sites), chains_around(sites, left, right, axis));
 }
 
 } // namespace dovetail

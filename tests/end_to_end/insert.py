@@ -159,14 +159,16 @@ class Refusals(harness.TestCase):
             points[:, 1] = points[::-1, 1]
             file["VTKHDF/Points"][:] = points
 
+        few, many = self.near(250, 0.003), self.near(2000, 0.003)  # inserted, and with slabs made anew
         for change in (newer, beyond, foreign, strange_line, turned, moved):
-            with self.subTest(change=change.__name__):
-                self.refuse(self.changed(change), self.near(0.003), ranks=2 if change is moved else 0)
+            for points in (few, many):
+                with self.subTest(change=change.__name__, points=points.name):
+                    self.refuse(self.changed(change), points, ranks=2 if change is moved else 0)
 
-    def near(self, distance):
-        """Points of the mesh, moved a little; so few that they are inserted, and slabs not made anew."""
-        path = self.folder / "near.npy"
-        numpy.save(path, numpy.load(self.points)[:250] + distance)
+    def near(self, count, distance):
+        """Points of the mesh, moved a little."""
+        path = self.folder / f"near.{count}.npy"
+        numpy.save(path, numpy.load(self.points)[:count] + distance)
         return path
 
 

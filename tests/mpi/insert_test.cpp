@@ -6,12 +6,16 @@
 #include "dovetail/distributed/triangulate.hpp"
 #include "dovetail/distributed/validate.hpp"
 #include "dovetail/geometry/distributions.hpp"
+#include "dovetail/geometry/predicates.hpp"
+#include "dovetail/mesh/flip.hpp"
 #include "mpi/pipeline_support.hpp"
 #include "support/small_sites_families.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <gtest/gtest.h>
+#include <span>
 
 namespace dovetail::testing {
 namespace {
@@ -327,6 +331,36 @@ TEST(Insert, RefusesWhatIsNoPoint) {
   const Communicator comm = world();
   expect_refused(comm, mesh_of(comm, scattered(40, 30, 1), {4, AxisChoice::x, 1}), {{1, NAN}},
                  ErrorKind::input);
+}
+
+/// Exchanges an edge inside a slab for the other one of its quadrilateral.
+void flip_an_edge(SlabMesh &slab) {
+  Triangulation &triangles = slab.triangles;
+  const auto point = [&](LocalIndex v) { return slab.vertices.points[position(v)]; };
+  const auto is_inside = [&](LocalIndex t) {
+    return std::ranges::none_of(std::span(triangles.neighbours).subspan(position(half_edge(t, 0)), 3),
+                                [](LocalIndex beyond) { return beyond == none; });
+  };
+  for (HalfEdge h = 0; h < half_edge(triangles.triangle_count(), 0); ++h) {
+    const HalfEdge across = twin(triangles, h);
+    if (across == none || !is_inside(triangle_of(h)) || !is_inside(triangle_of(across)))
+      continue;
+    const Point from = point(origin(triangles, h)), to = point(target(triangles, h));
+    const Point left = point(apex(triangles, h)), right = point(apex(triangles, across));
+    if (orientation(left, from, right) == Sign::positive && orientation(right, to, left) == Sign::positive)
+      return flip(triangles, h);
+  }
+  ADD_FAILURE() << "no edge can be flipped";
+}
+
+// The sum that is the checksum has the old triangles in it, so they must be right where all are made anew.
+TEST(Insert, RefusesWrongTrianglesThatItMakesAnew) {
+  const Communicator comm = world();
+  const Points before = scattered(400, 1000, 1);
+  DistributedMesh mesh = mesh_of(comm, before, {4, AxisChoice::x, 1});
+  for (SlabMesh &slab : mesh.slabs)
+    flip_an_edge(slab);
+  expect_refused(comm, std::move(mesh), scattered(300, 1000, 2), ErrorKind::input);
 }
 
 // Broken meshes end in an error, or in a mesh that validation refuses; but they end, and crash nobody.

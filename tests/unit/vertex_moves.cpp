@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <random>
 
 namespace dovetail::insertion {
@@ -26,16 +25,20 @@ void expect_moves(const Numbers &arrivals, LocalIndex old_own, const Numbers &ot
   const VertexMoves moves({arrivals}, old_own, others);
   const Numbers places = expected_places(arrivals, old_own, others);
   const auto count = static_cast<LocalIndex>(places.size());
-  for (LocalIndex v = 0; v < count; ++v) {
-    std::array<LocalIndex, 3> corners{v, (7 * v + 1) % count, (v + 1) % count};
-    const std::array<LocalIndex, 3> old = corners;
-    const bool may_be_behind = moves.move(corners);
-    for (std::size_t i = 0; i < 3; ++i) {
-      ASSERT_EQ(corners[i], places[at(old[i])])
-          << "vertex " << old[i] << " of " << count << ", " << arrivals.size() << " new";
-      EXPECT_TRUE(may_be_behind || old[i] < old_own);
-    }
+  // Every vertex in every place of a group, beside others; and a few that are no full group.
+  Numbers corners;
+  for (LocalIndex v = 0; v < count; ++v)
+    corners.insert(corners.end(), {v, (7 * v + 1) % count, (v + 1) % count});
+  const Numbers old = corners;
+  const std::vector<std::size_t> behind = moves.move(corners);
+  std::vector<std::size_t> expected_behind;
+  for (std::size_t c = 0; c < old.size(); ++c) {
+    ASSERT_EQ(corners[c], places[at(old[c])])
+        << "vertex " << old[c] << " of " << count << ", " << arrivals.size() << " new";
+    if (old[c] >= old_own)
+      expected_behind.push_back(c);
   }
+  EXPECT_EQ(behind, expected_behind);
 }
 
 TEST(VertexMoves, AreThoseOfTheSitesThatArrive) {
@@ -54,9 +57,9 @@ TEST(VertexMoves, AreThoseOfTheSitesThatArrive) {
 
 TEST(VertexMoves, AreNoneWhereNothingArrives) {
   const VertexMoves moves({}, 500, {});
-  std::array<LocalIndex, 3> corners{0, 70, 447};
-  EXPECT_FALSE(moves.move(corners));
-  EXPECT_EQ(corners, (std::array<LocalIndex, 3>{0, 70, 447}));
+  Numbers corners{0, 70, 447, 448, 499};
+  EXPECT_TRUE(moves.move(corners).empty());
+  EXPECT_EQ(corners, (Numbers{0, 70, 447, 448, 499}));
 }
 
 } // namespace

@@ -55,10 +55,10 @@ struct GrownMesh {
 /// Cost of n points into N sites: sorting the points, an insertion each, O(path sites) for every slab that
 /// changes, and for these slabs a linear pass that renumbers sites and corners. Slabs grow as the points
 /// happen to lie: ranks get uneven shares if many points come to one place, and triangulating anew makes them
-/// even. A slab that gets more than an eighth of the sites that it has is triangulated anew by itself.
-/// Errors, on all ranks alike: those of check_points; equal points under DuplicateRule::error; slabs with
-/// more sites than LocalIndex allows (resource); a mesh of a domain, or one that is found not to be what it
-/// says (input).
+/// even. A slab that gets more than a quarter of the sites that it has is triangulated anew by itself, after
+/// a look at all its old triangles. Errors, on all ranks alike: those of check_points; equal points under
+/// DuplicateRule::error; slabs with more sites than LocalIndex allows (resource); a mesh of a domain, or one
+/// that is found not to be what it says (input).
 GrownMesh insert(const Communicator &comm, DistributedMesh &&mesh, PointTable &&points,
                  const InsertOptions &options = {});
 

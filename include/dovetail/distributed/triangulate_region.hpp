@@ -58,7 +58,7 @@ struct SlabCounts {
 /// slab or one whose paths end apart, two comparisons a site.
 SlabCounts counts_between(std::span<const Point> own_sites, GlobalIndex first_site, const Path &left,
                           const Path &right, Axis axis);
-/// The triangles of these.
+/// The triangles of these; takes half as long without ghosts.
 GlobalIndex triangles_between(std::span<const Point> own_sites, GlobalIndex first_site, const Path &left,
                               const Path &right, Axis axis);
 
