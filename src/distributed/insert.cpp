@@ -15,7 +15,7 @@ namespace dovetail {
 namespace insertion {
 
 void refuse_mesh(std::string place, std::string what) {
-  throw Error({ErrorKind::input, "the mesh", std::move(place), std::move(what),
+  throw Error({ErrorKind::input, "", std::move(place), std::move(what),
                "dovetail verify tells what is wrong with it; make it again from its points"});
 }
 
@@ -67,12 +67,9 @@ UnstitchedMesh grow(DistributedMesh &&mesh, const Placement &placement, const Pa
   return result;
 }
 
-} // namespace
-} // namespace insertion
-
-GrownMesh insert(const Communicator &comm, DistributedMesh &&mesh, PointTable &&points,
-                 const InsertOptions &options) {
-  using namespace insertion;
+/// As insert(), but that errors about the mesh have no subject.
+GrownMesh insert_into_nameless(const Communicator &comm, DistributedMesh &&mesh, PointTable &&points,
+                               const InsertOptions &options) {
   GrownMesh grown;
   InsertStatistics &statistics = grown.statistics;
   // Whoever hears of progress may throw to interrupt, so a phase begins where all can agree on that.
@@ -86,7 +83,7 @@ GrownMesh insert(const Communicator &comm, DistributedMesh &&mesh, PointTable &&
   if (mesh.slab_count() == 0)
     refuse_mesh("slabs", "are missing: there is none");
   if (any_of_ranks(comm, mesh.domain.has_value()))
-    throw Error({ErrorKind::input, options.mesh_name, "",
+    throw Error({ErrorKind::input, "", "",
                  "is the mesh of a domain, whose segments and holes points cannot be inserted into",
                  "add the points to the domain's own input, and mesh it again"});
   const GlobalIndex old_sites = mesh.site_count(), old_points = mesh.digest.points;
@@ -100,16 +97,28 @@ GrownMesh insert(const Communicator &comm, DistributedMesh &&mesh, PointTable &&
     statistics.points = mesh.digest.points - old_points;
     return collectively(
         comm, [&] { return fmt::format("inserting {} sites", placement.sites.points.size()); },
-        [&] {
-          return insertion::grow(std::move(mesh), placement, update, options.progress,
-                                 statistics.changed_slabs);
-        });
+        [&] { return grow(std::move(mesh), placement, update, options.progress, statistics.changed_slabs); });
   });
   grown.mesh = phase("stitch", [&] { return stitch(comm, std::move(local)); });
   statistics.sites = grown.mesh.site_count() - old_sites;
   statistics.duplicates = statistics.points - statistics.sites;
   statistics.changed_slabs = all_reduce_sum(comm, statistics.changed_slabs);
   return grown;
+}
+
+} // namespace
+} // namespace insertion
+
+GrownMesh insert(const Communicator &comm, DistributedMesh &&mesh, PointTable &&points,
+                 const InsertOptions &options) {
+  try {
+    return insertion::insert_into_nameless(comm, std::move(mesh), std::move(points), options);
+  } catch (const Error &error) {
+    Problem problem = error.problem();
+    if (problem.subject.empty())
+      problem.subject = options.mesh_name;
+    throw Error(std::move(problem));
+  }
 }
 
 } // namespace dovetail

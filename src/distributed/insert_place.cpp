@@ -184,9 +184,17 @@ MergedPoint settle_equal(PointTable &points, std::size_t row, DuplicateRule rule
   return replaced;
 }
 
-/// For each of ascending points the first of ascending sites that is not less. Some hundred searches go on
-/// side by side, between the places of the first and the last of them: one alone would wait for memory at
-/// every step.
+/// The first of ascending sites that is not less: near to the beginning in few steps.
+std::size_t first_not_less(std::span<const Point> sites, Point p, TotalOrder less) {
+  std::size_t low = 0, step = 1;
+  for (; low + step < sites.size() && less(sites[low + step], p); step *= 2)
+    low += step;
+  const auto near = sites.subspan(low, std::min(step + 1, sites.size() - low));
+  return low + at(std::ranges::lower_bound(near, p, less) - near.begin());
+}
+
+/// The same for each of ascending points. Some searches go on side by side, between the places of the first
+/// and the last of them: one alone would wait for memory at every step.
 std::vector<std::size_t> first_not_less(std::span<const Point> sites, std::span<const Point> points,
                                         TotalOrder less) {
   constexpr std::size_t side_by_side = 16; // as many as memory answers at a time
@@ -195,8 +203,7 @@ std::vector<std::size_t> first_not_less(std::span<const Point> sites, std::span<
   std::size_t low = 0;
   for (std::size_t begin = 0; begin < points.size(); begin = places.size()) {
     const auto group = points.subspan(begin, std::min(side_by_side, points.size() - begin));
-    const auto rest = sites.subspan(low);
-    const auto high = at(std::ranges::lower_bound(rest, group.back(), less) - rest.begin());
+    const std::size_t high = first_not_less(sites.subspan(low), group.back(), less);
     places.resize(begin + group.size(), low);
     for (std::size_t left = high; left > 0;) {
       const std::size_t half = (left + 1) / 2;

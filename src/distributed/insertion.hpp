@@ -18,7 +18,7 @@ namespace dovetail::insertion {
 
 template <class T> std::size_t at(T index) { return static_cast<std::size_t>(index); }
 
-/// That a mesh is not what it says, found on the way. `place`: where.
+/// That the mesh is not what it says, found on the way. `place`: where. Who knows the mesh's name adds it.
 [[noreturn]] void refuse_mesh(std::string place, std::string what);
 
 /// The new sites of a slab among its own: site j comes behind places[j] of the old ones, so it becomes own

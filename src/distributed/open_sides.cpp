@@ -8,8 +8,9 @@
 namespace dovetail {
 namespace {
 
+/// Who knows the mesh's name adds it.
 [[noreturn]] void refuse(const char *what) {
-  throw Error({ErrorKind::input, "the mesh", "", what,
+  throw Error({ErrorKind::input, "", "", what,
                "dovetail verify tells what is wrong with it; make it again from its points"});
 }
 

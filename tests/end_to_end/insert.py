@@ -163,7 +163,8 @@ class Refusals(harness.TestCase):
         for change in (newer, beyond, foreign, strange_line, turned, moved):
             for points in (few, many):
                 with self.subTest(change=change.__name__, points=points.name):
-                    self.refuse(self.changed(change), points, ranks=2 if change is moved else 0)
+                    broken = self.changed(change)
+                    self.refuse(broken, points, words=str(broken), ranks=2 if change is moved else 0)
 
     def near(self, count, distance):
         """Points of the mesh, moved a little."""
