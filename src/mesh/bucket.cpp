@@ -38,52 +38,44 @@ Box BucketKernel::box_of(Vertex first, Vertex count) {
 
 Hull BucketKernel::triangulate(Vertex first, Vertex count, LocalIndex far_ghost) {
   first_ = first;
-  count_ = count;
-  const Box box = gather();
-  sphere_ = {{points_.data(), first}, corner_, twin_, first + count, filter_};
-  const Hull hull = conquer_scratch(first, count, box);
-  // All is still in the cache, so here the corners get their final numbers.
-  const LocalIndex behind = *index(first + count);
-  *index(first + count) = far_ghost;
-  const LocalIndex *const site = order_.data();
-  for (LocalIndex *six = corner_ + 6 * first; six < corner_ + 6 * (first + count) - 6; six += 6)
-    for (unsigned i = 0; i < 6; ++i)
-      six[i] = site[six[i]];
-  *index(first + count) = behind;
-  return hull;
-}
-
-Box BucketKernel::gather() {
-  const auto n = static_cast<std::size_t>(count_);
+  const auto n = static_cast<std::size_t>(count);
   if (points_.size() < n + 1) {
     points_.resize(n + 1);
-    scratch_.resize(n);
+    numbers_.resize(n + 1);
     key_.resize(n);
   }
-  Box box(sites_[static_cast<std::size_t>(*index(first_))]);
-  for (std::size_t i = 0; i < n; ++i) {
-    const LocalIndex site = index(first_)[i];
-    const Point p = sites_[static_cast<std::size_t>(site)];
-    scratch_[i] = {p, site};
-    box.add(p);
-  }
   points_[n] = far_away;
-  return box;
+  numbers_[n] = far_ghost;
+  sphere_ = {{points_.data(), first}, corner_, twin_, first + count, filter_};
+  const LocalIndex *const sites = corner_ + 6 * first;
+  Box box(NumberedSite::load(sites, 0).point);
+  for (std::size_t i = 1; i < n; ++i)
+    box.add(NumberedSite::load(sites, i).point);
+  const Hull hull = conquer_unsorted(sites, first, count, box);
+  // All is still in the cache, so here the corners get their final numbers.
+  const LocalIndex *const numbers = numbers_.data();
+  for (LocalIndex *six = corner_ + 6 * first; six < corner_ + 6 * (first + count) - 6; six += 6)
+    for (unsigned i = 0; i < 6; ++i)
+      six[i] = numbers[six[i] - first];
+  return hull;
 }
 
 void BucketKernel::to_scratch(Vertex first, Vertex count) {
   const Point *const sites = point(first);
-  const LocalIndex *const numbers = index(first);
+  const LocalIndex *const numbers = number(first);
+  if (scratch_.size() < static_cast<std::size_t>(count))
+    scratch_.resize(static_cast<std::size_t>(count));
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i)
     scratch_[i] = {sites[i], numbers[i]};
 }
 
-void BucketKernel::from_scratch(Vertex first, Vertex count) {
-  Point *const sites = point(first);
-  LocalIndex *const numbers = index(first);
+void BucketKernel::take(const void *sites, Vertex first, Vertex count) {
+  Point *const points = point(first);
+  LocalIndex *const numbers = number(first);
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-    sites[i] = scratch_[i].point;
-    numbers[i] = scratch_[i].index;
+    const NumberedSite site = NumberedSite::load(sites, i);
+    points[i] = site.point;
+    numbers[i] = site.number;
   }
 }
 
@@ -96,24 +88,25 @@ Hull BucketKernel::conquer_in_grid(Vertex first, Vertex count) {
   if (!fixed_point_is_safe())
     return conquer_by_median(first, count);
   to_scratch(first, count);
-  return conquer_scratch(first, count, box_of(first, count));
+  return conquer_unsorted(scratch_.data(), first, count, box_of(first, count));
 }
 
-/// The part whose sites are in the scratch, in any order.
-Hull BucketKernel::conquer_scratch(Vertex first, Vertex count, const Box &box) {
+/// The part whose sites lie elsewhere, in any order.
+Hull BucketKernel::conquer_unsorted(const void *sites, Vertex first, Vertex count, const Box &box) {
   if (count <= few || !fixed_point_is_safe()) {
-    from_scratch(first, count);
+    take(sites, first, count);
     return count <= few ? conquer_few(first, count) : conquer_by_median(first, count);
   }
-  const Grid grid = sort_into_tiles(first, count, box);
+  const Grid grid = sort_into_tiles(sites, first, count, box);
   const Hull hull = conquer_tiles(grid, 0, 0);
   tile_start_.resize(grid.start);
   return hull;
 }
 
-/// A counting sort by the tiles of a grid, from the scratch. Tiles are monotone in each coordinate, so they
+/// A counting sort by the tiles of a grid. Tiles are monotone in each coordinate, so they
 /// separate sites strictly.
-BucketKernel::Grid BucketKernel::sort_into_tiles(Vertex first, Vertex count, const Box &box) {
+BucketKernel::Grid BucketKernel::sort_into_tiles(const void *sites, Vertex first, Vertex count,
+                                                 const Box &box) {
   const auto n = static_cast<std::size_t>(count);
   Grid grid{tile_start_.size(), static_cast<unsigned>(std::bit_width(n / per_tile)) - 1, 0, count};
   double width = box.high[0] - box.low[0];
@@ -143,10 +136,9 @@ BucketKernel::Grid BucketKernel::sort_into_tiles(Vertex first, Vertex count, con
   LocalIndex *const tile_start = tile_start_.data() + grid.start;
   const std::uint32_t *const spread_x = spread_[0].data();
   const std::uint32_t *const spread_y = spread_[1].data();
-  const Numbered *const sites = scratch_.data();
   std::uint32_t *const keys = key_.data();
   for (std::size_t i = 0; i < n; ++i) {
-    const Point p = sites[i].point;
+    const Point p = NumberedSite::load(sites, i).point;
     const auto x = static_cast<std::uint32_t>(static_cast<std::int32_t>((p.x - box.low[0]) * x_scale));
     const auto y = static_cast<std::uint32_t>(static_cast<std::int32_t>((p.y - box.low[1]) * y_scale));
     const std::uint32_t key = spread_x[x] | spread_y[y];
@@ -160,11 +152,12 @@ BucketKernel::Grid BucketKernel::sort_into_tiles(Vertex first, Vertex count, con
     next += here;
   }
   Point *const to_points = point(first);
-  LocalIndex *const to_index = order_.data();
+  LocalIndex *const to_numbers = number(first);
   for (std::size_t i = 0; i < n; ++i) {
     const LocalIndex to = tile_start[keys[i]]++;
-    to_points[to - first] = sites[i].point;
-    to_index[to] = sites[i].index;
+    const NumberedSite site = NumberedSite::load(sites, i);
+    to_points[to - first] = site.point;
+    to_numbers[to - first] = site.number;
   }
   for (std::size_t tile = tiles; tile > 0; --tile)
     tile_start[tile] = tile_start[tile - 1];
@@ -207,8 +200,8 @@ bool BucketKernel::sort_by_rank(Vertex first, Vertex count, Vertex half, unsigne
   const auto n = static_cast<std::size_t>(count);
   const double scale = scale_of(low, high, 0x1p26);
   Point *const sites = point(first);
-  LocalIndex *const numbers = index(first);
-  std::array<Numbered, lanes> old;
+  LocalIndex *const numbers = number(first);
+  std::array<NumberedSite, lanes> old;
   std::array<std::int32_t, lanes> key;
   key.fill(std::numeric_limits<std::int32_t>::max());
   for (std::size_t i = 0; i < n; ++i) {
@@ -229,7 +222,7 @@ bool BucketKernel::sort_by_rank(Vertex first, Vertex count, Vertex half, unsigne
     return false;
   for (std::size_t i = 0; i < n; ++i) {
     sites[rank[i]] = old[i].point;
-    numbers[rank[i]] = old[i].index;
+    numbers[rank[i]] = old[i].number;
   }
   return true;
 }
@@ -258,13 +251,13 @@ Hull BucketKernel::conquer_few(Vertex first, Vertex count) {
 /// The way that always works: an exact median, ties by the other coordinate. At least four sites.
 Hull BucketKernel::conquer_by_median(Vertex first, Vertex count) {
   to_scratch(first, count);
-  const std::span<Numbered> sites = std::span(scratch_).first(static_cast<std::size_t>(count));
+  const std::span<NumberedSite> sites = std::span(scratch_).first(static_cast<std::size_t>(count));
   const unsigned axis = box_of(first, count).longer_side();
   const Vertex half = count <= few ? half_of(count) : count / 2;
-  std::ranges::nth_element(sites, sites.begin() + half, [axis](const Numbered &a, const Numbered &b) {
+  std::ranges::nth_element(sites, sites.begin() + half, [axis](const NumberedSite &a, const NumberedSite &b) {
     return less_along(a.point, b.point, axis);
   });
-  from_scratch(first, count);
+  take(scratch_.data(), first, count);
   const Hull left = conquer(first, half);
   const Hull right = conquer(first + half, count - half);
   return sphere_.merge(left, right, axis, 6 * (first + half) - 6);

@@ -15,6 +15,7 @@
 ///     a single site on one side of a cut (a part has at least two).
 #pragma once
 
+#include "median_tree.hpp"
 #include "sphere.hpp"
 
 #include <array>
@@ -55,21 +56,15 @@ struct Box {
 /// Works on one bucket after another in the same memory.
 class BucketKernel {
 public:
-  BucketKernel(std::span<const Point> sites, std::span<LocalIndex> order, LocalIndex *corner,
-               LocalIndex *twin, const Filter &filter)
-      : sites_(sites), order_(order), corner_(corner), twin_(twin), filter_(filter) {}
+  BucketKernel(LocalIndex *corner, LocalIndex *twin, const Filter &filter)
+      : corner_(corner), twin_(twin), filter_(filter) {}
 
-  /// Triangulates the sites order[first] .. order[first + count - 1], which it puts into an order of its own;
-  /// count >= 2. Afterwards corners are numbers of sites, and the point at infinity is `far_ghost`. `order`
-  /// has one element more than there are sites, for the kernel to work with.
+  /// Triangulates the sites that wait in the rooms `first` .. `first + count - 1` of the corners (see
+  /// NumberedSite); count >= 2. Afterwards the corners of their triangles are there, as numbers of sites, and
+  /// the point at infinity is `far_ghost`.
   Hull triangulate(Vertex first, Vertex count, LocalIndex far_ghost);
 
 private:
-  struct Numbered {
-    Point point;
-    LocalIndex index;
-  };
-
   /// Tiles of a grid over some of the sites, numbered so that halving a range of them is a cut across the
   /// longer side.
   struct Grid {
@@ -83,34 +78,31 @@ private:
 
   /// Differences of coordinates do not overflow.
   bool fixed_point_is_safe() const { return filter_.decides(); }
-  Box gather();
   Hull conquer(Vertex first, Vertex count);
   Hull conquer_in_grid(Vertex first, Vertex count);
-  Hull conquer_scratch(Vertex first, Vertex count, const Box &box);
-  Grid sort_into_tiles(Vertex first, Vertex count, const Box &box);
+  Hull conquer_unsorted(const void *sites, Vertex first, Vertex count, const Box &box);
+  Grid sort_into_tiles(const void *sites, Vertex first, Vertex count, const Box &box);
   Hull conquer_tiles(const Grid &grid, std::size_t tile, unsigned level);
   Hull conquer_few(Vertex first, Vertex count);
   template <std::size_t lanes>
   bool sort_by_rank(Vertex first, Vertex count, Vertex half, unsigned axis, double low, double high);
   Hull conquer_by_median(Vertex first, Vertex count);
   void to_scratch(Vertex first, Vertex count);
-  void from_scratch(Vertex first, Vertex count);
+  void take(const void *sites, Vertex first, Vertex count);
   Box box_of(Vertex first, Vertex count);
 
   Point *point(Vertex v) { return points_.data() + (v - first_); }
-  LocalIndex *index(Vertex v) { return order_.data() + v; }
+  LocalIndex *number(Vertex v) { return numbers_.data() + (v - first_); }
 
-  std::span<const Point> sites_;
-  std::span<LocalIndex> order_;
   LocalIndex *corner_;
   LocalIndex *twin_;
   Filter filter_;
 
   Vertex first_ = 0;
-  Vertex count_ = 0;
   Sphere<NearSites> sphere_{};
   std::vector<Point> points_;          ///< of the bucket, in cut order, and the point at infinity
-  std::vector<Numbered> scratch_;      ///< sites before they are sorted
+  std::vector<LocalIndex> numbers_;    ///< likewise
+  std::vector<NumberedSite> scratch_;  ///< sites before they are sorted
   std::vector<std::uint32_t> key_;     ///< and their tiles
   std::vector<LocalIndex> tile_start_; ///< of the grids at work, one within a tile of another: the first
                                        ///< vertex of each tile, and the end

@@ -17,7 +17,7 @@ using namespace divide_and_conquer;
 
 constexpr LocalIndex far_ghost = none;
 constexpr LocalIndex beyond = none; ///< twin of a hull edge once the ghosts are gone
-constexpr std::size_t bucket_sites = 8192;
+constexpr std::size_t bucket_sites = 12288;
 
 /// The sites of the whole where they are in the input.
 struct FarSites {
@@ -34,11 +34,10 @@ struct Conquest {
   Triangulation &mesh;
 
   /// A vector sets to zero what it grows by. Growing by a bucket, within room that is reserved, leaves it in
-  /// the cache for what is written next.
+  /// the cache for what is written next. (The corners are all there: the sites wait in them.)
   Hull triangulate(Vertex first, Vertex count) const {
     const auto end = static_cast<std::size_t>(6 * (first + count) - 6);
-    mesh.corners.resize(std::max(mesh.corners.size(), end));
-    mesh.neighbours.resize(end);
+    mesh.neighbours.resize(std::max(mesh.neighbours.size(), end));
     return buckets.triangulate(first, count, far_ghost);
   }
 
@@ -59,7 +58,7 @@ struct Conquest {
       return triangulate(first, count);
     const Hull left = conquer(2 * branch, leaf, leaves / 2);
     const Hull right = conquer(2 * branch + 1, middle, leaves / 2);
-    return sphere.merge(left, right, tree.axis[branch], 6 * (first + left_count) - 6);
+    return sphere.merge(left, right, tree.axis(branch), 6 * (first + left_count) - 6);
   }
 };
 
@@ -151,14 +150,14 @@ Triangulation delaunay(std::span<const Point> sites) {
     return {};
   const std::size_t n = sites.size();
   Triangulation mesh;
-  reserve_huge(mesh.corners, 6 * n - 6);
-  reserve_huge(mesh.neighbours, 6 * n - 6);
-  std::vector<LocalIndex> order(n + 1);
-  mesh.corners.resize(n);
+  reserve_huge(mesh.corners, 6 * n);
+  reserve_huge(mesh.neighbours, 6 * n);
+  mesh.corners.resize(6 * n);
+  mesh.neighbours.resize(n);
   const MedianTree tree = median_tree(sites, static_cast<unsigned>(std::bit_width(n / bucket_sites)));
-  const std::vector<LocalIndex> start = sort_into_leaves(tree, sites, order, mesh.corners);
+  const std::vector<LocalIndex> start = sort_into_leaves(tree, sites, mesh.corners, mesh.neighbours);
   const Filter filter = filter_for(sites);
-  BucketKernel buckets(sites, order, mesh.corners.data(), mesh.neighbours.data(), filter);
+  BucketKernel buckets(mesh.corners.data(), mesh.neighbours.data(), filter);
   const Sphere<FarSites> sphere{
       {sites.data()}, mesh.corners.data(), mesh.neighbours.data(), far_ghost, filter};
   const Hull hull = Conquest{tree, start, buckets, sphere, mesh}.conquer(1, 0, tree.leaves());

@@ -1,5 +1,7 @@
 #include "median_tree.hpp"
 
+#include "sight.hpp"
+
 #include <algorithm>
 #include <array>
 
@@ -33,10 +35,30 @@ void cut_sample(MedianTree &tree, std::span<Point> sample, std::size_t branch) {
   const std::size_t half = sample.size() / 2;
   std::ranges::nth_element(sample, sample.begin() + static_cast<std::ptrdiff_t>(half), {},
                            across_y ? &Point::y : &Point::x);
-  tree.axis[branch] = across_y ? 1 : 0;
-  tree.cut[branch] = across_y ? sample[half].y : sample[half].x;
+  tree.cut[2 * branch + (across_y ? 1 : 0)] = across_y ? sample[half].y : sample[half].x;
   cut_sample(tree, sample.first(half), 2 * branch);
   cut_sample(tree, sample.subspan(half), 2 * branch + 1);
+}
+
+/// Finds and counts the leaves of some sites next to each other. One descent waits for itself at every level;
+/// several at once wait together.
+template <std::size_t together>
+void find_leaves(const MedianTree &tree, const Point *sites, LocalIndex *leaf_of, LocalIndex *counts) {
+  const double *const cut = tree.cut.data();
+  const std::size_t leaves = tree.leaves();
+  std::array<std::size_t, together> twice; // the number of the branch
+  twice.fill(2);
+  for (unsigned level = 0; level < tree.depth; ++level)
+    for (std::size_t i = 0; i < together; ++i) {
+      const Pair at_branch{cut[twice[i]], cut[twice[i] + 1]};
+      const unsigned beyond = lanes_from(pair_of(sites[i]), at_branch);
+      twice[i] = 2 * twice[i] + ((beyond + 1) & 2); // beyond in no lane, or in one
+    }
+  for (std::size_t i = 0; i < together; ++i) {
+    const std::size_t leaf = twice[i] / 2 - leaves;
+    leaf_of[i] = static_cast<LocalIndex>(leaf);
+    ++counts[leaf];
+  }
 }
 
 } // namespace
@@ -44,8 +66,7 @@ void cut_sample(MedianTree &tree, std::span<Point> sample, std::size_t branch) {
 MedianTree median_tree(std::span<const Point> sites, unsigned depth) {
   MedianTree tree;
   tree.depth = depth;
-  tree.cut.assign(tree.leaves(), 0.0);
-  tree.axis.assign(tree.leaves(), 0);
+  tree.cut.assign(2 * tree.leaves(), MedianTree::no_cut); // no cut at all: everything is left
   const std::size_t wanted = depth == 0 ? 0 : std::min(sites.size(), sample_per_leaf * tree.leaves());
   std::vector<Point> sample(wanted);
   for (std::size_t i = 0; i < wanted; ++i)
@@ -55,27 +76,24 @@ MedianTree median_tree(std::span<const Point> sites, unsigned depth) {
 }
 
 std::vector<LocalIndex> sort_into_leaves(const MedianTree &tree, std::span<const Point> sites,
-                                         std::span<LocalIndex> order, std::span<LocalIndex> scratch) {
-  std::vector<LocalIndex> start(tree.leaves() + 1, 0);
-  const double *const cut = tree.cut.data();
-  const std::uint8_t *const axis = tree.axis.data();
+                                         std::span<LocalIndex> corners, std::span<LocalIndex> scratch) {
+  constexpr std::size_t together = 8;
+  const std::size_t n = sites.size();
   LocalIndex *const leaf_of = scratch.data();
+  std::vector<LocalIndex> start(tree.leaves() + 1, 0);
   LocalIndex *const counts = start.data() + 1;
-  for (std::size_t i = 0; i < sites.size(); ++i) {
-    const std::array<double, 2> coordinate{sites[i].x, sites[i].y};
-    std::size_t branch = 1;
-    for (unsigned level = 0; level < tree.depth; ++level)
-      branch = 2 * branch + (coordinate[axis[branch]] >= cut[branch] ? 1 : 0);
-    const std::size_t leaf = branch - tree.leaves();
-    leaf_of[i] = static_cast<LocalIndex>(leaf);
-    ++counts[leaf];
-  }
+  std::size_t found = 0;
+  for (; found + together <= n; found += together)
+    find_leaves<together>(tree, sites.data() + found, leaf_of + found, counts);
+  for (; found < n; ++found)
+    find_leaves<1>(tree, sites.data() + found, leaf_of + found, counts);
   for (std::size_t k = 0; k < tree.leaves(); ++k)
     start[k + 1] += start[k];
   std::vector<LocalIndex> next(start.begin(), start.end() - 1);
-  for (std::size_t i = 0; i < sites.size(); ++i)
-    order[static_cast<std::size_t>(next[static_cast<std::size_t>(scratch[i])]++)] =
-        static_cast<LocalIndex>(i);
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto room = static_cast<std::size_t>(next[static_cast<std::size_t>(leaf_of[i])]++);
+    NumberedSite{sites[i], static_cast<LocalIndex>(i)}.store(corners.data(), room);
+  }
   return start;
 }
 

@@ -87,6 +87,15 @@ inline unsigned equal_lanes(Pair a, Pair b) {
 #endif
 }
 
+/// One bit a lane: is the value at least as great as the other?
+inline unsigned lanes_from(Pair value, Pair other) {
+#ifdef __SSE2__
+  return static_cast<unsigned>(_mm_movemask_pd(_mm_cmpge_pd(value, other)));
+#else
+  return (value[0] >= other[0] ? 1U : 0U) | (value[1] >= other[1] ? 2U : 0U);
+#endif
+}
+
 /// One bit a lane: is it negative?
 inline unsigned negative_lanes(Pair value) {
 #ifdef __SSE2__

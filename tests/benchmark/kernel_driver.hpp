@@ -16,6 +16,10 @@
 #include <sys/resource.h>
 #include <vector>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 namespace dovetail::benchmark {
 
 struct Result {
@@ -40,6 +44,16 @@ inline std::size_t memory_bytes(const char *field) {
     if (line.starts_with(field))
       return 1024 * std::stoul(line.substr(line.find_first_of("0123456789")));
   return 0;
+}
+
+/// From now on memory that is freed stays with the process, so that runs after the first find their pages
+/// mapped. Otherwise large arrays go back to the system each time, and from there, where this is a virtual
+/// machine, in part to the host: what a page costs then says nothing about a kernel.
+inline void keep_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_MAX, 0);
+  mallopt(M_TRIM_THRESHOLD, -1);
+#endif
 }
 
 /// Distinct points, in the order given: kernels number distinct sites.
@@ -97,6 +111,7 @@ int drive(int argc, char **argv, const char *name, Prepare prepare, Kernel kerne
   const std::uint64_t seed = argc > 4 ? std::strtoull(argv[4], nullptr, 10) : 1;
   const auto input = prepare(points_from(argv[1], n, seed));
   const auto sites = static_cast<double>(input.size());
+  keep_memory();
   std::ofstream("/proc/self/clear_refs") << 5; // forget the peak of making the points
   const std::size_t memory_before = memory_bytes("VmRSS");
   std::printf("{\"kernel\": \"%s\", \"source\": \"%s\", \"sites\": %zu, \"ns\": [", name, argv[1],

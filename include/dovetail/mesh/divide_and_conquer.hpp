@@ -24,7 +24,7 @@ inline constexpr std::size_t most_delaunay_sites = (std::size_t{1} << 31) / 6;
 /// No triangles if all sites are collinear. The order of triangles and which corner comes first depend on the
 /// sites and their order alone. Sites must be distinct; more than most_delaunay_sites are an Error
 /// (resource). O(n log n), with expected O(n) work in merges for uniform sites; 48 bytes a site for the
-/// result and five while it works.
+/// result, and about a megabyte while it works.
 Triangulation delaunay(std::span<const Point> sites);
 
 } // namespace dovetail
