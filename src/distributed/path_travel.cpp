@@ -24,29 +24,29 @@ bool is_short(const Communicator &comm, std::int64_t sites) {
 
 } // namespace
 
-void broadcast_path(const Communicator &comm, Path &path) {
+void broadcast_path(const Communicator &comm, Path &path, int root) {
   auto sites = static_cast<std::int64_t>(path.size());
-  broadcast(comm, sites);
+  broadcast(comm, sites, root);
   bulk::make_room(comm, path, sites);
   if (is_short(comm, sites))
-    broadcast(comm, path);
+    broadcast(comm, path, root);
   else
-    bulk::broadcast(comm, sizeof(PathSite), bulk::bytes(path.data()), sites, 0);
+    bulk::broadcast(comm, sizeof(PathSite), bulk::bytes(path.data()), sites, root);
 }
 
-Path gather_chains(const Communicator &comm, const Path &chain) {
+Path gather_chains(const Communicator &comm, const Path &chain, int root) {
   const auto own = static_cast<std::int64_t>(chain.size());
   const std::vector<std::int64_t> counts = all_gather(comm, own);
   const std::int64_t sites = std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
   Path chains;
-  bulk::make_room(comm, chains, comm.is_root() ? sites : 0);
+  bulk::make_room(comm, chains, comm.rank() == root ? sites : 0);
   if (is_short(comm, sites)) {
     auto place = chains.begin();
-    for (const Path &one : gather(comm, chain))
+    for (const Path &one : gather(comm, chain, root))
       place = std::copy(one.begin(), one.end(), place);
   } else {
     bulk::gather(comm, sizeof(PathSite), bulk::bytes(chain.data()), own, bulk::bytes(chains.data()), counts,
-                 0);
+                 root);
   }
   return chains;
 }

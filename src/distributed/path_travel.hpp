@@ -9,9 +9,9 @@
 namespace dovetail {
 
 /// Collective. The root's path on every rank.
-void broadcast_path(const Communicator &comm, Path &path);
+void broadcast_path(const Communicator &comm, Path &path, int root);
 
 /// Collective. The chains of all ranks on the root, one after the other; elsewhere nothing.
-Path gather_chains(const Communicator &comm, const Path &chain);
+Path gather_chains(const Communicator &comm, const Path &chain, int root);
 
 } // namespace dovetail

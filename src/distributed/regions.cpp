@@ -2,7 +2,6 @@
 
 #include "dovetail/comm/agreement.hpp"
 #include "dovetail/comm/collectives.hpp"
-#include "dovetail/comm/serialization.hpp"
 #include "dovetail/distributed/regions_scan.hpp"
 #include "path_travel.hpp"
 
@@ -27,15 +26,7 @@ struct Group {
 struct Border {
   int rank;
   int slab;
-};
-
-/// What a group learns first of a split.
-struct SplitHeader {
-  int border_rank = 0;
-  double line = 0;
-  Path approximate; ///< of the two ranks next to the line; travels behind the rest
-
-  template <class Archive> void serialize(Archive &archive, unsigned) { archive &border_rank &line; }
+  int maker; ///< of the path: of the two ranks next to the line that with more sites, which has more of it
 };
 
 /// One rank of a group while it splits: what it has to give, and what it keeps of the effort.
@@ -45,8 +36,8 @@ struct Member {
   Path right_hull; ///< at the rightmost
   GlobalIndex candidate_sites = 0;
 
-  void note_candidates(const Path &chains) {
-    candidate_sites = std::max(candidate_sites, static_cast<GlobalIndex>(chains.size()));
+  void note_candidates(std::size_t sites) {
+    candidate_sites = std::max(candidate_sites, static_cast<GlobalIndex>(sites));
   }
 };
 
@@ -65,74 +56,95 @@ Border median_border(const Group &group, const std::vector<GlobalIndex> &site_of
   int best = 1;
   for (int rank = 2; rank < ranks; ++rank)
     best = distance(rank) < distance(best) ? rank : best;
-  return {best, group.first_slab[index(best)]};
+  const bool left_has_more = 2 * sites_up_to(best) > sites_up_to(best - 1) + sites_up_to(best + 1);
+  return {best, group.first_slab[index(best)], left_has_more ? best - 1 : best};
 }
 
-/// Collective over the group. The ranks on both sides of the line send their hulls there, the root makes of
-/// them a path that is already nearly right, and the group learns it.
-SplitHeader approximate_split(const Group &group, Border border, Member &member) {
-  const double position = member.slabs.lines[index(border.slab - 1)];
-  const int rank = group.ranks.rank();
-  const Path none_asked;
-  const Path chains = gather_chains(group.ranks, rank == border.rank - 1 ? member.right_hull
-                                                 : rank == border.rank   ? member.left_hull
-                                                                         : none_asked);
-  member.note_candidates(chains);
-  SplitHeader header{border.rank, position, {}};
-  header.approximate = collectively(group.ranks, candidates_text, [&] {
-    return group.ranks.is_root() ? split_path(chains, {position, member.slabs.axis}) : Path();
-  });
-  broadcast(group.ranks, header);
-  broadcast_path(group.ranks, header.approximate);
-  return header;
+SplitLine line_of(const Border &border, const Slabs &slabs) {
+  return {slabs.lines[index(border.slab - 1)], slabs.axis};
 }
 
-/// Collective over the group. Every rank sends of its own hull what the approximate path lets through. The
-/// two ranks next to the line have given all they have: what the approximate path does not contain of
-/// it, is on no path of more sites either. The group's own two paths stand for all sites outside the group.
-Path exact_path(const Group &group, const SplitHeader &header, Member &member) {
-  const SplitLine line{header.line, member.slabs.axis};
-  const int rank = group.ranks.rank();
+/// All that a rank can have on the path of the line.
+const Path &hull_towards(const Border &border, int rank, const Member &member) {
+  return rank < border.rank ? member.right_hull : member.left_hull;
+}
+
+/// A path without sites that are close together: where it had no gap longer than `gap`, there is none now. It
+/// is the path of the sites it has.
+Path thinned(const Path &path, double gap, Axis axis) {
+  Path kept;
+  for (std::size_t i = 0; i < path.size(); ++i)
+    if (i == 0 || i + 1 == path.size() ||
+        along(path[i + 1].point, axis) - along(kept.back().point, axis) > gap)
+      kept.push_back(path[i]);
+  return kept;
+}
+
+/// How far a rank's slabs reach across; 0 if they have no end.
+double width_of(const Slabs &slabs) {
+  const int beyond = slabs.first_slab + slabs.own_slab_count;
+  return slabs.first_slab > 0 && beyond < slabs.slab_count()
+             ? slabs.lines[index(beyond - 1)] - slabs.lines[index(slabs.first_slab - 1)]
+             : 0;
+}
+
+/// The path of what the maker knows without asking: its own hull, and the group's own two paths, which stand
+/// for all sites outside the group. Where slabs are thin, as far from the middle of a heavy tail, those two
+/// are nearly the path.
+Path known_path(const Group &group, const Border &border, const Member &member) {
+  const SplitLine line = line_of(border, member.slabs);
   const auto &offsets = member.slabs.site_offsets;
   const GlobalIndex begin = offsets[index(group.first_slab.front())];
   const GlobalIndex end = offsets[index(group.first_slab.back())];
+  const auto with = [&](const Path &path, const Path &chain, auto &&is_outside) {
+    Path outside;
+    std::ranges::copy_if(chain, std::back_inserter(outside), is_outside, &PathSite::number);
+    return outside.empty() ? path : hull_of_both(path, outside, line);
+  };
+  const Path of_left = with(hull_towards(border, border.maker, member), group.left,
+                            [&](GlobalIndex number) { return number < begin; });
+  return with(of_left, group.right, [&](GlobalIndex number) { return number >= end; });
+}
 
-  const Path candidates = collectively(group.ranks, candidates_text, [&] {
-    const PathFilter filter(header.approximate, line);
-    Path admitted;
-    const auto add = [&](const Path &chain, auto &&wanted) {
-      std::copy_if(chain.begin(), chain.end(), std::back_inserter(admitted),
-                   [&](const PathSite &site) { return wanted(site) && filter.lets_through(site.point); });
-    };
-    const auto all = [](const PathSite &) { return true; };
-    if (rank + 1 < header.border_rank)
-      add(member.right_hull, all);
-    else if (rank > header.border_rank)
-      add(member.left_hull, all);
-    if (group.ranks.is_root()) {
-      add(group.left, [&](const PathSite &site) { return site.number < begin; });
-      add(group.right, [&](const PathSite &site) { return site.number >= end; });
+/// Collective over the group, which learns the path. The maker makes one of what it knows, and every other
+/// rank sends of its own hull what that lets through. To tell what matters a part of that path will do: gaps
+/// of a quarter of the maker's width let through hardly more of the slabs beyond, and travel in less time.
+Path path_at(const Group &group, const Border &border, Member &member) {
+  const SplitLine line = line_of(border, member.slabs);
+  const bool makes = group.ranks.rank() == border.maker;
+  Path known, approximate; // of the maker
+  collectively(group.ranks, candidates_text, [&] {
+    if (makes) {
+      known = known_path(group, border, member);
+      approximate = thinned(known, width_of(member.slabs) / 4, line.axis);
     }
-    return admitted;
   });
-  Path chains = gather_chains(group.ranks, candidates);
+  broadcast_path(group.ranks, approximate, border.maker);
+  const Path admitted = collectively(group.ranks, candidates_text, [&] {
+    const PathFilter filter(approximate, line);
+    Path result;
+    if (!makes)
+      std::ranges::copy_if(
+          hull_towards(border, group.ranks.rank(), member), std::back_inserter(result),
+          [&](Point site) { return filter.lets_through(site); }, &PathSite::point);
+    return result;
+  });
+  Path chains = gather_chains(group.ranks, admitted, border.maker);
   Path path = collectively(group.ranks, candidates_text, [&]() -> Path {
-    if (!group.ranks.is_root())
+    if (!makes)
       return {};
-    chains.insert(chains.end(), header.approximate.begin(), header.approximate.end());
-    member.note_candidates(chains);
-    return split_path(chains, line);
+    member.note_candidates(chains.size() + known.size());
+    return hull_of_both(split_path(std::move(chains), line), known, line);
   });
-  broadcast_path(group.ranks, path);
+  broadcast_path(group.ranks, path, border.maker);
   return path;
 }
 
 /// Collective over the group: it becomes two, which share nothing but the path.
-Group half_of(Group group, const SplitHeader &header, Path path) {
-  const int border = header.border_rank;
-  const bool lower = group.ranks.rank() < border;
+Group half_of(Group group, const Border &border, Path path) {
+  const bool lower = group.ranks.rank() < border.rank;
   Communicator half = group.ranks.split(lower ? 0 : 1);
-  const auto cut = group.first_slab.begin() + border;
+  const auto cut = group.first_slab.begin() + border.rank;
   if (lower)
     return {std::move(half), {group.first_slab.begin(), cut + 1}, std::move(group.left), std::move(path)};
   return {std::move(half), {cut, group.first_slab.end()}, std::move(path), std::move(group.right)};
@@ -152,9 +164,8 @@ Group group_of_owners(const Communicator &comm, const Slabs &slabs) {
 Group split_down_to_one(Group group, Member &member) {
   while (group.ranks.size() > 1) {
     const Border border = median_border(group, member.slabs.site_offsets);
-    const SplitHeader header = approximate_split(group, border, member);
-    Path path = exact_path(group, header, member);
-    group = half_of(std::move(group), header, std::move(path));
+    Path path = path_at(group, border, member);
+    group = half_of(std::move(group), border, std::move(path));
   }
   return group;
 }

@@ -157,8 +157,8 @@ std::vector<T> all_gather(const Communicator &comm, const T &value) {
   return values;
 }
 
-/// The root's value on every rank, for numbers and for every type with Boost.Serialization, such as a path
-/// with its header. Up to 2 GiB serialised; longer data goes through broadcast_bulk.
+/// The root's value on every rank, for numbers and for every type with Boost.Serialization, such as a path.
+/// Up to 2 GiB serialised; longer data goes through broadcast_bulk.
 template <class T> void broadcast(const Communicator &comm, T &value, int root = 0) {
   boost::mpi::broadcast(comm.boost(), value, root);
   traffic::count_broadcast(comm, traffic::packed_bytes(comm, value), root);

@@ -26,8 +26,8 @@ struct Region {
   /// paths[k] is the complete path of the line left of own slab k, paths[k + 1] of the line right of it; for
   /// k = 0 .. own slabs. There is no line, and the path is empty, outside the first and the last slab of all.
   std::vector<Path> paths;
-  /// The most sites that came together here for making one path: candidates of other ranks, with the
-  /// approximate path that let them through.
+  /// The most sites that came together here for making one path: candidates of other ranks, with the path
+  /// that let them through.
   GlobalIndex candidate_sites = 0;
   /// What went wrong on this rank, or in a group that it was in, while others went on: `triangulate_region`
   /// throws it, so that it can be agreed on when halves may speak again.
@@ -36,7 +36,7 @@ struct Region {
 
 /// Collective over `comm`, on which the slabs are spread. Reads every site once, for the hulls of its slab at
 /// its two borders, and then works on chains only: O(sqrt n) sites each, if they are uniform. About
-/// log2(ranks) splits, each of two gathers, two broadcasts and a split of the communicator.
+/// log2(ranks) splits, each of a gather, two broadcasts and a split of the communicator.
 Region split_into_regions(const Communicator &comm, Slabs &&slabs);
 
 } // namespace dovetail

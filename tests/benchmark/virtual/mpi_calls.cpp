@@ -7,6 +7,7 @@
 #include <cstring>
 #include <map>
 #include <stdexcept>
+#include <vector>
 
 namespace {
 
@@ -344,11 +345,15 @@ int MPI_Testall(int count, MPI_Request *requests, int *done, MPI_Status *statuse
 int MPI_Waitall(int count, MPI_Request *requests, MPI_Status *statuses) {
   World &world = *World::current();
   const World::Call call(world);
-  for (int i = 0; i < count; ++i) {
-    if (requests[i] != MPI_REQUEST_NULL)
+  std::vector<int> order;
+  for (int i = 0; i < count; ++i)
+    if (requests[i] != MPI_REQUEST_NULL) {
       world.await(world.request_of(requests[i]));
+      order.push_back(i);
+    }
+  std::ranges::stable_sort(order, {}, [&](int i) { return world.request_of(requests[i]).when; });
+  for (const int i : order)
     finish(world, requests[i], status_at(statuses, i));
-  }
   return MPI_SUCCESS;
 }
 

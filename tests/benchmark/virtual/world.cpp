@@ -152,14 +152,15 @@ void World::deliver(Request &request, const Letter &letter) {
     throw std::logic_error("a message is longer than the receive for it");
   std::copy(letter.data.begin(), letter.data.end(), request.buffer);
   request.complete = true;
-  request.when = letter.arrival;
+  request.when = letter.sent;
   request.bytes = static_cast<std::int64_t>(letter.data.size());
   request.source = letter.source;
   request.tag = letter.tag;
   fibers_.wake(request.owner);
   if (Request *const sent = letter.acknowledged.get()) {
     sent->complete = true;
-    sent->when = std::max(letter.arrival, ranks_[index(request.owner)].time.clock) + network_.latency_s;
+    sent->when = std::max(letter.sent + network_.latency_s, ranks_[index(request.owner)].time.clock) +
+                 network_.latency_s;
     fibers_.wake(sent->owner);
   }
 }
@@ -168,12 +169,8 @@ std::shared_ptr<Request> World::send(MPI_Comm comm, const void *data, std::int64
                                      bool synchronous) {
   const Membership &member = membership(comm);
   Rank &sender = here();
-  Rank &receiver = ranks_[index(member.group->members[index(to)])];
   sender.time.clock += network_.overhead_s;
   sender.sending_until = std::max(sender.time.clock, sender.sending_until) + network_.transfer(bytes);
-  // A link takes one message at a time; the two links of a message work at the same time.
-  receiver.receiving_until = std::max(sender.sending_until + network_.latency_s,
-                                      receiver.receiving_until + network_.transfer(bytes));
 
   auto request = std::make_shared<Request>();
   request->owner = fibers_.current();
@@ -181,7 +178,7 @@ std::shared_ptr<Request> World::send(MPI_Comm comm, const void *data, std::int64
   request->complete = !synchronous;
   const auto *const first = static_cast<const std::byte *>(data);
   Letter letter{
-      member.rank, tag, {first, first + bytes}, receiver.receiving_until, synchronous ? request : nullptr};
+      member.rank, tag, {first, first + bytes}, sender.sending_until, synchronous ? request : nullptr};
   Group::Mailbox &mailbox = member.group->mailboxes[index(to)];
   const auto taker = std::find_if(mailbox.receives.begin(), mailbox.receives.end(), [&](const auto &waiting) {
     return fits(waiting->source, waiting->tag, letter);
@@ -246,9 +243,15 @@ void World::await(Request &request) {
 }
 
 void World::take(const Request &request) {
-  here().time.clock =
-      std::max(here().time.clock, request.when) + (request.receives ? network_.overhead_s : 0);
-  here().idle = false;
+  Rank &rank = here();
+  double when = request.when;
+  if (request.receives) {
+    // A link takes one message at a time; the two links of a message work at the same time.
+    when = rank.receiving_until =
+        std::max(request.when + network_.latency_s, rank.receiving_until + network_.transfer(request.bytes));
+  }
+  rank.time.clock = std::max(rank.time.clock, when) + (request.receives ? network_.overhead_s : 0);
+  rank.idle = false;
 }
 
 void World::idle() {

@@ -51,7 +51,7 @@ struct Meeting {
 /// A message or a synchronising call under way, as the one who waits for it sees it.
 struct Request {
   bool complete = false;
-  double when = 0; ///< it was complete
+  double when = 0; ///< it was complete; of a receive, its last byte left the sender
   bool receives = false;
   std::byte *buffer = nullptr; ///< of a receive, with room for so many bytes
   std::int64_t bytes = 0;
@@ -64,7 +64,7 @@ struct Request {
 struct Letter {
   int source, tag;
   std::vector<std::byte> data;
-  double arrival;
+  double sent;                           ///< its last byte
   std::shared_ptr<Request> acknowledged; ///< the sender's, if it wants to know that it was received
 };
 
@@ -141,7 +141,8 @@ public:
   const Letter *find(MPI_Comm comm, int source, int tag);
   static bool is_complete(Request &request);
   void await(Request &request);
-  /// The running rank sees a complete request, not before it was complete.
+  /// The running rank sees a complete request, not before it was complete. Its link inwards takes one message
+  /// at a time: of several that are waited for together, in the order in which they were sent.
   void take(const Request &request);
   /// The running rank looked in vain: the others have their turn, and looking is not work.
   void idle();
