@@ -30,12 +30,12 @@ std::size_t quartile_path_sites(std::vector<Point> sites, Axis axis) {
   return length;
 }
 
-Axis choose_axis(std::vector<Point> sample) {
-  const std::size_t along_y = quartile_path_sites(sample, Axis::y);
-  return 2 * along_y <= quartile_path_sites(std::move(sample), Axis::x) && along_y > 0 ? Axis::y : Axis::x;
-}
-
 namespace {
+
+/// Of the lengths of paths at cuts along x and along y.
+Axis better_axis(std::size_t along_x, std::size_t along_y) {
+  return 2 * along_y <= along_x && along_y > 0 ? Axis::y : Axis::x;
+}
 
 const char *purpose_text() { return "a sample of the points"; }
 
@@ -78,8 +78,7 @@ PointSketch united_at_root(const Communicator &comm, PointSketch sketch) {
   return sketch;
 }
 
-} // namespace
-
+/// Collective. The sketches of all ranks as one, on the root; elsewhere nothing.
 std::vector<Point> sample_at_root(const Communicator &comm, PointSketch sketch) {
   // One rank of many has a small part of the sample and need not send more, but for points that others have
   // too.
@@ -94,23 +93,36 @@ std::vector<Point> sample_at_root(const Communicator &comm, PointSketch sketch) 
   }
 }
 
+} // namespace
+
 std::vector<Point> sample_of_all(const Communicator &comm, PointSketch sketch) {
   std::vector<Point> sample = sample_at_root(comm, std::move(sketch));
   broadcast_bulk(comm, sample);
   return sample;
 }
 
+Axis choose_axis(const std::vector<Point> &sample) {
+  return better_axis(quartile_path_sites(sample, Axis::x), quartile_path_sites(sample, Axis::y));
+}
+
+/// Of several ranks one judges each axis, and nobody waits for both.
 Axis choose_axis(const Communicator &comm, std::span<const Point> points) {
-  std::vector<Point> sample = sample_at_root(comm, collectively(comm, purpose_text, [&] {
-                                               PointSketch sketch(axis_sample_size);
-                                               sketch.add(points);
-                                               return sketch;
-                                             }));
-  int axis = collectively(comm, purpose_text, [&] {
-    return comm.is_root() ? static_cast<int>(choose_axis(std::move(sample))) : 0;
+  const std::vector<Point> sample = sample_of_all(comm, collectively(comm, purpose_text, [&] {
+                                                    PointSketch sketch(axis_sample_size);
+                                                    sketch.add(points);
+                                                    return sketch;
+                                                  }));
+  const int judges[] = {0, comm.size() - 1};
+  const auto own = collectively(comm, purpose_text, [&] {
+    std::vector<std::uint64_t> lengths;
+    for (const Axis axis : {Axis::x, Axis::y}) {
+      const bool judges_it = judges[static_cast<std::size_t>(axis)] == comm.rank();
+      lengths.push_back(judges_it ? quartile_path_sites(sample, axis) : 0);
+    }
+    return lengths;
   });
-  broadcast(comm, axis);
-  return static_cast<Axis>(axis);
+  const std::vector<std::uint64_t> lengths = all_reduce_sum(comm, own);
+  return better_axis(lengths[0], lengths[1]);
 }
 
 } // namespace dovetail

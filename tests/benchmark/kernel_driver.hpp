@@ -2,6 +2,8 @@
 /// kernel is a program of its own, so that none warms the memory or the caches of another.
 #pragma once
 
+#include "mapped_memory.hpp"
+
 #include "dovetail/geometry/distributions.hpp"
 #include "dovetail/mesh/checksum.hpp"
 
@@ -15,10 +17,6 @@
 #include <string>
 #include <sys/resource.h>
 #include <vector>
-
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
 
 namespace dovetail::benchmark {
 
@@ -44,16 +42,6 @@ inline std::size_t memory_bytes(const char *field) {
     if (line.starts_with(field))
       return 1024 * std::stoul(line.substr(line.find_first_of("0123456789")));
   return 0;
-}
-
-/// From now on memory that is freed stays with the process, so that runs after the first find their pages
-/// mapped. Otherwise large arrays go back to the system each time, and from there, where this is a virtual
-/// machine, in part to the host: what a page costs then says nothing about a kernel.
-inline void keep_memory() {
-#ifdef __GLIBC__
-  mallopt(M_MMAP_MAX, 0);
-  mallopt(M_TRIM_THRESHOLD, -1);
-#endif
 }
 
 /// Distinct points, in the order given: kernels number distinct sites.

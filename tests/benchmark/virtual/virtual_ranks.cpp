@@ -5,6 +5,8 @@
 #include "sampled.hpp"
 #include "world.hpp"
 
+#include "../mapped_memory.hpp"
+
 #include "dovetail/distributed/triangulate.hpp"
 #include "dovetail/geometry/distributions.hpp"
 #include "dovetail/mesh/checksum.hpp"
@@ -180,6 +182,8 @@ nlohmann::ordered_json common(const Options &options, Axis axis, int slabs) {
 }
 
 nlohmann::ordered_json run_exactly(const Options &options) {
+  constexpr std::size_t bytes_of_point = 120;
+  benchmark::keep_mapped_memory(bytes_of_point * static_cast<std::size_t>(options.set.n));
   const Result result = run(options);
   const MeshStatistics &statistics = result.statistics;
   nlohmann::ordered_json json = common(options, result.axis, result.slabs);
@@ -201,7 +205,9 @@ nlohmann::ordered_json run_exactly(const Options &options) {
 
 nlohmann::ordered_json run_a_sample(const Options &options) {
   constexpr int slabs_to_triangulate = 13;
+  constexpr std::size_t bytes_of_slab_point = 240;
   const SlabwiseSet set(options.set, options.ranks);
+  benchmark::keep_mapped_memory(bytes_of_slab_point * static_cast<std::size_t>(set.points_of_slab()));
   const SampledRun run = run_sampled(set, slabs_to_triangulate, options.kept_hulls);
   nlohmann::ordered_json json = common(options, set.axis(), options.ranks);
   json["sampled_slabs"] = run.sampled_slabs;
