@@ -183,7 +183,7 @@ BoxSplitting::Strip BoxSplitting::approximate(const Box &box, double m, HullSite
 
 /// Lifted, with the beginning of a chord as the origin along the line: squares of distances are at most
 /// `size` between its ends, and 2^-48 of that is far more than all roundings. What is too large or too small
-/// for such numbers passes: a comparison with NaN is false.
+/// for such numbers passes: a comparison with NaN is false, and so no slope is infinite.
 template <Axis axis> void BoxSplitting::set_chords(double m) {
   chords_.clear();
   double reach = 0;
@@ -195,8 +195,9 @@ template <Axis axis> void BoxSplitting::set_chords(double m) {
     const double low_square = low_distance * low_distance, high_square = high_distance * high_distance;
     const double size = low_square + high_square + length * length;
     const double farthest = std::max(low_square, high_square) + length * length / 4;
+    const double slope = (high_square - low_square + length * length) / length;
     chords_.push_back({low, high_end, low_square + (0x1p-48 * size + 0x1p-1000),
-                       (high_square - low_square + length * length) / length,
+                       std::isfinite(slope) ? slope : std::numeric_limits<double>::quiet_NaN(),
                        farthest * (1 + 0x1p-40) + 0x1p-1000});
     reach = std::max(reach, chords_.back().reach_squared);
   }

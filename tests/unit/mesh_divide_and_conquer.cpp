@@ -1,6 +1,7 @@
 /// Both kernels against the definition, on small sets.
 #include "dovetail/mesh/divide_and_conquer.hpp"
 #include "dovetail/mesh/split_path_recursion.hpp"
+#include "dovetail/mesh/validate.hpp"
 
 #include "support/small_sites_families.hpp"
 #include "support/small_sites_oracle.hpp"
@@ -114,6 +115,29 @@ RC_GTEST_PROP(Kernels, AnySmallSetEqualsTheDefinition,
   const std::set<Triple> expected = testing::delaunay_by_definition(sites);
   for (const Kernel &kernel : kernels)
     RC_ASSERT(triples(kernel.triangulate(scaled(sites, 0, 0))) == expected);
+}
+
+/// Where squares and slopes overflow and underflow beside each other.
+TEST(Kernels, CoordinatesMayDifferByAnyNumberOfOrders) {
+  std::mt19937_64 random(9);
+  const auto draw = [&](int least, int most) { return std::uniform_int_distribution(least, most)(random); };
+  const auto power = [&] { return std::ldexp(draw(0, 1) == 0 ? 1.0 : -1.0, draw(-1074, 1022)); };
+  constexpr double tiny = 1e-306;
+  std::vector<std::vector<Point>> sets{
+      {{-tiny, 59}, {0, 1}, {0, 3}, {0, 15}, {0, 16}, {0, 18}, {0, 21}, {tiny, 48}}};
+  for (int round = 0; round < 1000; ++round) {
+    std::set<std::pair<double, double>> distinct;
+    for (int count = draw(3, 40); count > 0; --count)
+      distinct.insert({draw(0, 3) == 0 ? 0 : power(), draw(0, 3) == 0 ? draw(1, 60) : power()});
+    std::vector<Point> &sites = sets.emplace_back();
+    for (const auto &[x, y] : distinct)
+      sites.push_back({x, y});
+  }
+  for (const std::vector<Point> &sites : sets)
+    for (const Kernel &kernel : kernels) {
+      const FaultReport report = validate(sites, kernel.triangulate(sites));
+      ASSERT_TRUE(report.valid()) << "set " << &sites - sets.data() << " by " << kernel.name;
+    }
 }
 
 TEST(Kernels, TooFewSitesHaveNoTriangles) {
