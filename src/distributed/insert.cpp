@@ -115,6 +115,10 @@ GrownMesh insert(const Communicator &comm, DistributedMesh &&mesh, PointTable &&
     return insertion::insert_into_nameless(comm, std::move(mesh), std::move(points), options);
   } catch (const Error &error) {
     Problem problem = error.problem();
+    if (problem.kind == ErrorKind::fault) // ours, or the mesh's where no new site has come near to it
+      problem = {
+          ErrorKind::input, "", "", "does not fit together with the new points: it " + problem.what,
+          "dovetail verify tells whether the mesh is right; if it is, please report this fault of dovetail"};
     if (problem.subject.empty())
       problem.subject = options.mesh_name;
     throw Error(std::move(problem));

@@ -76,8 +76,8 @@ Borders borders_of(const Communicator &comm, const DistributedMesh &mesh) {
   });
 }
 
-/// Collective. The first index that no point of the mesh's own input can have had.
-GlobalIndex first_free_index(const Communicator &comm, const DistributedMesh &mesh) {
+/// Collective. The last index that a point of the mesh's own input can have had.
+GlobalIndex last_index(const Communicator &comm, const DistributedMesh &mesh) {
   GlobalIndex highest = mesh.digest.points - 1;
   for (const SlabMesh &slab : mesh.slabs) {
     // Hardly ever is one higher, which is found out for all at the speed of memory: by the sign of what lies
@@ -91,16 +91,21 @@ GlobalIndex first_free_index(const Communicator &comm, const DistributedMesh &me
   }
   for (const Duplicate &duplicate : mesh.duplicates)
     highest = std::max(highest, duplicate.input_index);
-  return all_reduce_max(comm, highest) + 1;
+  return all_reduce_max(comm, highest);
 }
 
 /// Collective. Numbers the points behind those of the mesh, adds them to its digest and returns the number of
 /// the first.
 GlobalIndex continue_input(const Communicator &comm, PointTable &points, DistributedMesh &mesh) {
-  const GlobalIndex first = first_free_index(comm, mesh);
+  const GlobalIndex merged = all_reduce_sum(comm, static_cast<GlobalIndex>(mesh.duplicates.size()));
+  if (mesh.digest.points != mesh.site_count() + merged)
+    refuse_mesh("digest", fmt::format("is of {} points, and not of {} sites and {} duplicates",
+                                      mesh.digest.points, mesh.site_count(), merged));
+  const GlobalIndex last = last_index(comm, mesh);
   const GlobalIndex beyond = points.input_index.empty() ? 0 : std::ranges::max(points.input_index) + 1;
-  if (first > std::numeric_limits<GlobalIndex>::max() - all_reduce_max(comm, beyond))
-    refuse_mesh("input indices", fmt::format("end with {} and leave no room for more", first - 1));
+  if (last > std::numeric_limits<GlobalIndex>::max() - 1 - all_reduce_max(comm, beyond))
+    refuse_mesh("input indices", fmt::format("end with {} and leave no room for more", last));
+  const GlobalIndex first = last + 1;
   const std::vector<double> *z = heights_of(points);
   std::uint64_t hash = 0;
   for (std::size_t i = 0; i < points.points.size(); ++i) {

@@ -159,12 +159,28 @@ class Refusals(harness.TestCase):
             points[:, 1] = points[::-1, 1]
             file["VTKHDF/Points"][:] = points
 
+        def last_index(file):
+            file["VTKHDF/PointData/input_index"][0] = 2**63 - 1
+
+        def digest(file):
+            file["dovetail"].attrs["digest_points"] = 2**62
+
         few, many = self.near(250, 0.003), self.near(2000, 0.003)  # inserted, and with slabs made anew
-        for change in (newer, beyond, foreign, strange_line, turned, moved):
+        for change in (newer, beyond, foreign, strange_line, turned, moved, last_index, digest):
             for points in (few, many):
                 with self.subTest(change=change.__name__, points=points.name):
                     broken = self.changed(change)
                     self.refuse(broken, points, words=str(broken), ranks=2 if change is moved else 0)
+
+    def test_what_no_point_comes_near_to_is_seen_in_the_end(self):
+        """Four points in nine slabs, one triangle of the first twice, and a new point in another slab."""
+        points, mesh, more = (self.folder / name for name in ("four.f64", "four.vtkhdf", "fifth.f64"))
+        write_f64(points, [(1, 9.2), (3.7, 6.1), (6.7, 9.3), (7.2, 4.1)])
+        write_f64(more, [(0.1, 6.3)])
+        self.succeed("triangulate", points, "-o", mesh, "--slabs", 9)
+        with h5py.File(mesh, "r+") as file:
+            file["VTKHDF/Connectivity"][3:6] = file["VTKHDF/Connectivity"][0:3]
+        self.refuse(mesh, more, words=f"{mesh}: does not fit together")
 
     def near(self, count, distance):
         """Points of the mesh, moved a little."""
