@@ -145,12 +145,9 @@ def growths(rounds, network):
 
 
 def complete(record, exact):
-    """Gives a sampled record the phases that it lacks, from exact ones of the same distribution."""
+    """Gives a sampled record the phases that it lacks, from at least two exact ones of the same distribution on several
+    ranks."""
     exact = [run for run in exact if run["ranks"] > 1]
-    if len(exact) < 2:
-        raise SystemExit(f"{record['ranks']} ranks of {record['distribution']} can only be sampled, and to carry on "
-                         "from there must be at least two exact runs with several ranks: raise --exact or add small "
-                         "--ranks")
     ranks, network = record["ranks"], Network(record["network"])
     largest = max(exact, key=lambda run: run["ranks"])
     agreement = network.all_reduce(ranks, 4)
