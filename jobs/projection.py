@@ -137,7 +137,7 @@ def growths(rounds, network):
                         lambda r: 1 - 1 / ranks(r)),
                  Growth(lambda r: 4 * (ranks(r) - 1), depth)),
         "split": (Growth(nothing, one, depth_of_halves, paths_sent),
-                  Growth(lambda r: 4 * counted(r), depth_of_halves, paths_sent),
+                  Growth(lambda r: 2 * counted(r), depth_of_halves, paths_sent),
                   Growth(nothing, depth, depth_of_halves)),
         "stitch": (Growth(lambda r: 4 * counted(r) / network.bandwidth, one, depth, ghosts),
                    Growth(lambda r: 3 * counted(r), depth, ghosts), Growth(nothing, depth, ghosts)),
