@@ -150,8 +150,7 @@ class Interrupts(harness.TestCase):
         """Slabs are written as they are made, to a file that is there before its contents. Those take most of a
         second, so that a loaded machine is not too late."""
         partial = output.with_name(output.name + ".partial")
-        slowly = {"LD_PRELOAD": SLOW_DISK, "DOVETAIL_TEST_DISK": str(SLOW_BYTES_A_SECOND)} if SLOW_DISK else {}
-        with unittest.mock.patch.dict(os.environ, slowly):
+        with harness.slow_disk(SLOW_BYTES_A_SECOND):
             run = Interrupted(arguments, ranks, 0, sent, only=range(ranks) if ranks else None, once=partial)
         self.assertTrue(self.check(run, output), run)
         return run

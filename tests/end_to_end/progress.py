@@ -3,7 +3,6 @@
 Percents only grow, the time left is about what was then needed, and it ends with the run.
 """
 
-import os
 import re
 import time
 import unittest
@@ -31,20 +30,12 @@ class Progress(harness.TestCase):
             made = harness.dovetail(*arguments, "--quiet")
             assert made.code == 0, made
 
-    def setUp(self):
-        self.environment = dict(os.environ)
-
-    def tearDown(self):
-        os.environ.clear()
-        os.environ.update(self.environment)
-
     def lines_of(self, bytes_a_second, *arguments, ranks=0):
         """(stage, seconds gone, percent or None, seconds left or None) of every line; the run's length."""
-        os.environ["LD_PRELOAD"], os.environ["DOVETAIL_TEST_DISK"] = SLOW_DISK, str(bytes_a_second)
         began = time.monotonic()
-        run = self.succeed(*arguments, "--progress", ranks=ranks)
+        with harness.slow_disk(bytes_a_second):
+            run = self.succeed(*arguments, "--progress", ranks=ranks)
         took = time.monotonic() - began
-        self.tearDown()
         lines = []
         for text in run.err.replace("\x1b[K", "").splitlines():  # of live lines as well
             if text:
@@ -87,8 +78,8 @@ class Progress(harness.TestCase):
             self.check(["triangulate"], rate, "triangulate", self.points, "-o", output, "--slabs", slabs)
 
     def test_quiet(self):
-        os.environ["LD_PRELOAD"], os.environ["DOVETAIL_TEST_DISK"] = SLOW_DISK, "1e6"
-        self.assertEqual(self.succeed("convert", self.points, self.folder / "quiet.npy", "--quiet").err, "")
+        with harness.slow_disk(1e6):
+            self.assertEqual(self.succeed("convert", self.points, self.folder / "quiet.npy", "--quiet").err, "")
 
 
 if __name__ == "__main__":
